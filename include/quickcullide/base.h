@@ -53,7 +53,9 @@ typedef enum qcStatus
     /// The GL context of the device is lost, for example after a GPU reset; qcDevice_Reopen opens a new one.
     qc_statusDeviceLost = 4,
     /// A file could not be created, written or read, or it is damaged; qcLastMessage names it and the place.
-    qc_statusFile = 5
+    qc_statusFile = 5,
+    /// More pairs than the caller allows (qcDetectDef::maxPairs).
+    qc_statusTooManyPairs = 6
 } qcStatus;
 
 /// The message of this thread's last call that failed. Never null. Valid until the thread's next failing call.

@@ -315,6 +315,10 @@ typedef struct qcDetectDef
     /// rather than its triangles. A region of contact may then have several manifolds. Pairs are reported as ever; with
     /// `proximities` it has no effect. 0: all pairs count.
     double spacing;
+    /// The most pairs of triangles that the step may hold at any stage: candidates, pairs listed for contacts, results.
+    /// A bound for memory: a pair takes at most some 80 bytes until it is reported, without contacts, segments,
+    /// proximities and manifolds. With more pairs qcScene_Detect returns qc_statusTooManyPairs. 0: no limit.
+    uint64_t maxPairs;
 } qcDetectDef;
 
 /// The default step: method auto, penetrating pairs only.
@@ -357,6 +361,7 @@ static inline qcDetectDef qcDefaultDetectDef(void)
     for (int i = 0; i < 5; i++)
         def.reserved2[i] = 0;
     def.spacing = 0.0;
+    def.maxPairs = 0;
     return def;
 }
 

@@ -17,16 +17,19 @@ enum
     qc_maxInsertedItems = 32
 };
 
+// Below, an item is `words` words of 64 bits, of which the first is its key: 1 or 2, a constant in each caller.
+
 /// Insertion sort, faster than counting digits for very few items.
-static void InsertItems(qcSortItem* items, size_t count)
+static inline void InsertItems(uint64_t* items, size_t count, size_t words)
 {
     for (size_t i = 1; i < count; i++)
     {
-        qcSortItem item = items[i];
+        uint64_t item[2];
+        memcpy(item, items + words * i, words * sizeof *items);
         size_t at = i;
-        for (; at > 0 && items[at - 1].key > item.key; at--)
-            items[at] = items[at - 1];
-        items[at] = item;
+        for (; at > 0 && items[words * (at - 1)] > item[0]; at--)
+            memcpy(items + words * at, items + words * (at - 1), words * sizeof *items);
+        memcpy(items + words * at, item, words * sizeof *items);
     }
 }
 
@@ -58,12 +61,13 @@ static size_t DigitOf(uint64_t key, const Digit* digit)
     return (key >> digit->shift[0] & digit->mask[0]) | (key >> digit->shift[1] & digit->mask[1]) << digit->width;
 }
 
-static void SortByDigit(const qcSortItem* from, qcSortItem* to, size_t count, const Digit* digit, size_t digits)
+static inline void SortByDigit(const uint64_t* from, uint64_t* to, size_t count, size_t words, const Digit* digit,
+                               size_t digits)
 {
     size_t offset[qc_digits];
     memset(offset, 0, digits * sizeof *offset);
     for (size_t i = 0; i < count; i++)
-        offset[DigitOf(from[i].key, digit)]++;
+        offset[DigitOf(from[words * i], digit)]++;
     size_t sum = 0;
     for (size_t d = 0; d < digits; d++)
     {
@@ -72,31 +76,41 @@ static void SortByDigit(const qcSortItem* from, qcSortItem* to, size_t count, co
         sum += number;
     }
     for (size_t i = 0; i < count; i++)
-        to[offset[DigitOf(from[i].key, digit)]++] = from[i];
+        memcpy(to + words * offset[DigitOf(from[words * i], digit)]++, from + words * i, words * sizeof *to);
 }
 
-qcStatus qcSort_Items(qcSortItem* items, size_t count, qcArray* scratch)
+static inline qcStatus Sort(uint64_t* items, size_t count, size_t words, qcArray* scratch)
 {
     if (count <= qc_maxInsertedItems)
     {
-        InsertItems(items, count);
+        InsertItems(items, count, words);
         return qc_statusOk;
     }
-    QC_TRY(qcArray_Reserve(scratch, count, sizeof(qcSortItem), "sorting"));
+    QC_TRY(qcArray_Reserve(scratch, count, words * sizeof *items, "sorting"));
     uint64_t differ = 0;
     for (size_t i = 1; i < count; i++)
-        differ |= items[i].key ^ items[0].key;
-    qcSortItem *from = items, *to = scratch->data;
+        differ |= items[words * i] ^ items[0];
+    uint64_t *from = items, *to = scratch->data;
     int bits = count <= qc_maxShortItems ? qc_shortDigitBits : qc_digitBits;
     while (differ != 0)
     {
         Digit digit = TakeDigit(&differ, bits);
-        SortByDigit(from, to, count, &digit, (size_t)1 << bits);
-        qcSortItem* swap = from;
+        SortByDigit(from, to, count, words, &digit, (size_t)1 << bits);
+        uint64_t* swap = from;
         from = to;
         to = swap;
     }
     if (from != items)
-        memcpy(items, from, count * sizeof *items);
+        memcpy(items, from, count * words * sizeof *items);
     return qc_statusOk;
+}
+
+qcStatus qcSort_Items(qcSortItem* items, size_t count, qcArray* scratch)
+{
+    return Sort(&items->key, count, 2, scratch);
+}
+
+qcStatus qcSort_Keys(uint64_t* keys, size_t count, qcArray* scratch)
+{
+    return Sort(keys, count, 1, scratch);
 }

@@ -13,6 +13,8 @@ typedef struct qcSortItem
 /// Sorts by key, ascending; items with the same key keep their order. O(count) per 11 bits in which keys differ.
 /// `scratch` is memory to reuse.
 qcStatus qcSort_Items(qcSortItem* items, size_t count, qcArray* scratch);
+/// As qcSort_Items, for keys alone.
+qcStatus qcSort_Keys(uint64_t* keys, size_t count, qcArray* scratch);
 
 /// A key whose order is the order of the floats (NaN excluded).
 static inline uint32_t qcSort_FloatKey(float value)

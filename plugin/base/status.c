@@ -23,6 +23,7 @@ const char* qcStatus_Name(qcStatus status)
         case qc_statusOutOfMemory: return "out of memory";
         case qc_statusDeviceLost: return "device lost";
         case qc_statusFile: return "file";
+        case qc_statusTooManyPairs: return "too many pairs";
     }
     return "unknown status";
 }

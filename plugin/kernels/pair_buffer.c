@@ -8,24 +8,26 @@ static void AddKey(qcArray* keys, uint64_t key)
     QC_AT(uint64_t, *keys, keys->count++) = key;
 }
 
-qcStatus qcPairBuffers_Begin(qcArray* buffers, uint32_t threads)
+qcStatus qcPairBuffers_Begin(qcArray* buffers, uint32_t threads, uint64_t maxPairs)
 {
     QC_TRY(qcWorkerResults_Begin(buffers, threads, sizeof(qcPairBuffer), "candidate pairs"));
     for (size_t i = 0; i < buffers->count; i++)
     {
         qcPairBuffer* buffer = &QC_AT(qcPairBuffer, *buffers, i);
         buffer->keys.count = buffer->contactKeys.count = buffer->classified.count = 0;
+        buffer->maxPairs = maxPairs;
     }
     return qc_statusOk;
 }
 
 static qcStatus ReserveAll(qcPairBuffer* buffer, size_t count)
 {
+    QC_TRY(qcRelatedPair_CheckCount(buffer->keys.count + buffer->classified.count, buffer->maxPairs));
+    QC_TRY(qcRelatedPair_CheckCount(buffer->contactKeys.count, buffer->maxPairs));
     QC_TRY(qcArray_Reserve(&buffer->keys, buffer->keys.count + count, sizeof(uint64_t), "candidate pairs"));
     QC_TRY(
         qcArray_Reserve(&buffer->contactKeys, buffer->contactKeys.count + count, sizeof(uint64_t), "candidate pairs"));
-    return qcArray_Reserve(&buffer->classified, buffer->classified.count + count, sizeof(qcSortItem),
-                           "candidate pairs");
+    return qcArray_Reserve(&buffer->classified, buffer->classified.count + count, sizeof(uint64_t), "candidate pairs");
 }
 
 bool qcPairBuffer_Add(qcPairBuffer* buffer, const qcClassifiedPairs* found, bool listClassified,
@@ -40,8 +42,8 @@ bool qcPairBuffer_Add(qcPairBuffer* buffer, const qcClassifiedPairs* found, bool
         if (i >= classified)
             AddKey(&buffer->keys, key);
         else if (i < found->nearCount || i >= found->nearCount + found->separateCount)
-            QC_AT(qcSortItem, buffer->classified, buffer->classified.count++) =
-                (qcSortItem){key, i < found->nearCount ? qc_relationNear : qc_relationPenetrating};
+            AddKey(&buffer->classified,
+                   qcRelatedPair_Make(key, i < found->nearCount ? qc_relationNear : qc_relationPenetrating));
         if (i < classified && listClassified)
             AddKey(&buffer->contactKeys, key);
     }
@@ -51,8 +53,10 @@ bool qcPairBuffer_Add(qcPairBuffer* buffer, const qcClassifiedPairs* found, bool
 void qcPairBuffer_AddNeighbours(qcPairBuffer* buffer, const qcSlotPair* pairs, size_t count, qcPairKeyFunction* keyOf,
                                 const void* context)
 {
-    qcStatus status =
-        qcArray_Reserve(&buffer->contactKeys, buffer->contactKeys.count + count, sizeof(uint64_t), "neighbours");
+    qcStatus status = qcRelatedPair_CheckCount(buffer->contactKeys.count + count, buffer->maxPairs);
+    if (status == qc_statusOk)
+        status =
+            qcArray_Reserve(&buffer->contactKeys, buffer->contactKeys.count + count, sizeof(uint64_t), "neighbours");
     if (!qcWorkerResult_Add(&buffer->result, status))
         return;
     for (size_t i = 0; i < count; i++)
@@ -67,7 +71,7 @@ qcStatus qcPairBuffers_End(const qcArray* buffers, const qcPairKeys* keys)
         const qcPairBuffer* buffer = &QC_AT(qcPairBuffer, *buffers, i);
         QC_TRY(qcArray_Append(keys->keys, &buffer->keys, sizeof(uint64_t), "candidate pairs"));
         QC_TRY(qcArray_Append(keys->contactKeys, &buffer->contactKeys, sizeof(uint64_t), "candidate pairs"));
-        QC_TRY(qcArray_Append(keys->classified, &buffer->classified, sizeof(qcSortItem), "candidate pairs"));
+        QC_TRY(qcArray_Append(keys->classified, &buffer->classified, sizeof(uint64_t), "candidate pairs"));
     }
     return qc_statusOk;
 }

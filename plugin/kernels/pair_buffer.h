@@ -2,7 +2,7 @@
 #ifndef QC_KERNELS_PAIR_BUFFER_H
 #define QC_KERNELS_PAIR_BUFFER_H
 
-#include "base/radix_sort.h"
+#include "base/related_pair.h"
 #include "base/worker_results.h"
 #include "kernels/pair_filter.h"
 #include "quickcullide/scene.h"
@@ -11,9 +11,10 @@
 typedef struct qcPairBuffer
 {
     qcWorkerResult result;
+    uint64_t maxPairs;
     qcArray keys;        ///< uint64_t: pairs that need the exact test
     qcArray contactKeys; ///< uint64_t: pairs needed for contacts only: neighbours, and classified ones
-    qcArray classified;  ///< of qcSortItem: key and relation of pairs that need no exact test
+    qcArray classified;  ///< uint64_t, as qcRelatedPair_Make: pairs that need no exact test
 } qcPairBuffer;
 
 /// The pairs of all workers, as in qcPairBuffer.
@@ -24,8 +25,8 @@ typedef struct qcPairKeys
 
 typedef uint64_t qcPairKeyFunction(const void* context, qcSlotPair pair);
 
-/// Empties the buffers (of qcPairBuffer), one for each thread.
-qcStatus qcPairBuffers_Begin(qcArray* buffers, uint32_t threads);
+/// Empties the buffers (of qcPairBuffer), one for each thread. A buffer that would hold more than `maxPairs` fails.
+qcStatus qcPairBuffers_Begin(qcArray* buffers, uint32_t threads, uint64_t maxPairs);
 /// Adds undecided pairs to `keys`, near and intersecting ones to `classified`. With `listClassified` all classified
 /// pairs, separate ones too, are also added to `contactKeys`. False: the buffer has failed; `result` has the reason.
 bool qcPairBuffer_Add(qcPairBuffer* buffer, const qcClassifiedPairs* found, bool listClassified,

@@ -115,9 +115,9 @@ static void TestPair(const Job* job, qcNarrowphaseWorker* worker, uint64_t key, 
     bool touching = job->def->touching || job->def->margin > 0.0;
     if (!job->def->motion && (relation == qc_relationDisjoint || (relation == qc_relationTouching && !touching)))
         return;
-    qcStatus status = qcArray_Reserve(&worker->found, worker->found.count + 1, sizeof(qcSortItem), "pairs");
+    qcStatus status = qcArray_Reserve(&worker->found, worker->found.count + 1, sizeof(uint64_t), "pairs");
     if (qcWorkerResult_Add(&worker->result, status))
-        QC_AT(qcSortItem, worker->found, worker->found.count++) = (qcSortItem){key, (uint64_t)relation};
+        QC_AT(uint64_t, worker->found, worker->found.count++) = qcRelatedPair_Make(key, relation);
 }
 
 static qcContactSide ContactSideOf(const Job* job, Side side)
@@ -190,7 +190,8 @@ static void TakeBlock(void* context, size_t block, uint32_t workerIndex)
     const qcArray* keys = contactsOnly ? job->contactKeys : job->keys;
     size_t first = (contactsOnly ? block - job->keyBlocks : block) * qc_blockSize;
     size_t end = first + qc_blockSize < keys->count ? first + qc_blockSize : keys->count;
-    Corners corners[2] = {{.filled = false}, {.filled = false}};
+    Corners corners[2]; // too large to be cleared for each block
+    corners[0].filled = corners[1].filled = false;
     for (size_t i = first; i < end && !contactsOnly && qcWorkerResult_IsOk(&worker->result); i++)
         TestPair(job, worker, QC_AT(uint64_t, *keys, i), corners);
     if (job->def->contactMargin == 0.0)
@@ -233,24 +234,20 @@ static qcStatus PrepareLocalMinima(qcNarrowphase* narrow, const qcStepTriangles*
     return qc_statusOk;
 }
 
-/// The keys of all pairs, sorted, into narrow->order.
+/// All pairs, sorted, into narrow->related.
 static qcStatus CollectPairs(qcNarrowphase* narrow, const qcArray* classified)
 {
-    size_t total = classified->count, at = 0;
+    size_t total = classified->count;
     for (size_t i = 0; i < narrow->workers.count; i++)
         total += QC_AT(qcNarrowphaseWorker, narrow->workers, i).found.count;
-    QC_TRY(qcArray_Resize(&narrow->order, total, sizeof(qcSortItem), "pairs"));
+    narrow->related.count = 0;
+    QC_TRY(qcArray_Reserve(&narrow->related, total, sizeof(uint64_t), "pairs"));
     QC_TRY(qcArray_Resize(&narrow->pairs, total, sizeof(qcPair), "pairs"));
     for (size_t i = 0; i < narrow->workers.count; i++)
-    {
-        const qcArray* found = &QC_AT(qcNarrowphaseWorker, narrow->workers, i).found;
-        if (found->count != 0)
-            memcpy(&QC_AT(qcSortItem, narrow->order, at), found->data, found->count * sizeof(qcSortItem));
-        at += found->count;
-    }
-    if (classified->count != 0)
-        memcpy(&QC_AT(qcSortItem, narrow->order, at), classified->data, classified->count * sizeof(qcSortItem));
-    return qcSort_Items(narrow->order.data, total, &narrow->scratch);
+        QC_TRY(qcArray_Append(&narrow->related, &QC_AT(qcNarrowphaseWorker, narrow->workers, i).found, sizeof(uint64_t),
+                              "pairs"));
+    QC_TRY(qcArray_Append(&narrow->related, classified, sizeof(uint64_t), "pairs"));
+    return qcSort_Keys(narrow->related.data, total, &narrow->scratch);
 }
 
 static void FillPairs(void* context, size_t block, uint32_t worker)
@@ -258,17 +255,17 @@ static void FillPairs(void* context, size_t block, uint32_t worker)
     (void)worker;
     const Job* job = context;
     const qcStepTriangles* t = job->triangles;
-    const qcArray* order = &job->narrow->order;
-    size_t end = (block + 1) * qc_pairBlock < order->count ? (block + 1) * qc_pairBlock : order->count;
+    const qcArray* related = &job->narrow->related;
+    size_t end = (block + 1) * qc_pairBlock < related->count ? (block + 1) * qc_pairBlock : related->count;
     for (size_t i = block * qc_pairBlock; i < end; i++)
     {
-        qcSortItem item = QC_AT(qcSortItem, *order, i);
-        Side a = SideOf(t, (uint32_t)(item.key >> 32)), b = SideOf(t, (uint32_t)item.key);
+        uint64_t pair = QC_AT(uint64_t, *related, i), key = qcRelatedPair_Key(pair);
+        Side a = SideOf(t, (uint32_t)(key >> 32)), b = SideOf(t, (uint32_t)key);
         QC_AT(qcPair, job->narrow->pairs, i) = (qcPair){.bodyA = qcStepTriangles_Slot(t, a.body),
                                                         .triangleA = a.triangle,
                                                         .bodyB = qcStepTriangles_Slot(t, b.body),
                                                         .triangleB = b.triangle,
-                                                        .relation = (qcRelation)item.value};
+                                                        .relation = qcRelatedPair_Relation(pair)};
     }
 }
 
@@ -278,11 +275,11 @@ static void ComputeSegment(void* context, size_t i, uint32_t worker)
     const Job* job = context;
     qcSegment* segment = &QC_AT(qcSegment, job->narrow->segments, i);
     *segment = (qcSegment){{0}, {0}};
-    qcSortItem item = QC_AT(qcSortItem, job->narrow->order, i);
-    if (item.value != qc_relationPenetrating)
+    uint64_t pair = QC_AT(uint64_t, job->narrow->related, i);
+    if (qcRelatedPair_Relation(pair) != qc_relationPenetrating)
         return;
     Corners corners[2] = {{.filled = false}, {.filled = false}};
-    LoadPair(job, item.key, corners);
+    LoadPair(job, qcRelatedPair_Key(pair), corners);
     qcExact_Segment((const double(*)[3])corners[0].corner, (const double(*)[3])corners[1].corner, segment);
 }
 
@@ -290,11 +287,11 @@ static void ComputeProximity(void* context, size_t i, uint32_t worker)
 {
     (void)worker;
     const Job* job = context;
-    qcSortItem item = QC_AT(qcSortItem, job->narrow->order, i);
+    uint64_t pair = QC_AT(uint64_t, job->narrow->related, i);
     Corners corners[2] = {{.filled = false}, {.filled = false}};
-    LoadPair(job, item.key, corners);
-    qcProximity_Of((const double(*)[3])corners[0].corner, (const double(*)[3])corners[1].corner, (qcRelation)item.value,
-                   &QC_AT(qcProximity, job->narrow->proximities, i),
+    LoadPair(job, qcRelatedPair_Key(pair), corners);
+    qcProximity_Of((const double(*)[3])corners[0].corner, (const double(*)[3])corners[1].corner,
+                   qcRelatedPair_Relation(pair), &QC_AT(qcProximity, job->narrow->proximities, i),
                    &QC_AT(qcClosestFeatures, job->narrow->closestFeatures, i));
 }
 
@@ -303,7 +300,7 @@ static qcStatus CollectContacts(qcNarrowphase* narrow)
     size_t total = 0, at = 0;
     for (size_t i = 0; i < narrow->workers.count; i++)
         total += QC_AT(qcNarrowphaseWorker, narrow->workers, i).contacts.count;
-    QC_TRY(qcArray_Resize(&narrow->order, total, sizeof(qcSortItem), "contacts"));
+    QC_TRY(qcArray_Resize(&narrow->contactOrder, total, sizeof(qcSortItem), "contacts"));
     QC_TRY(qcArray_Resize(&narrow->contacts, total, sizeof(qcContact), "contacts"));
     for (size_t i = 0; i < narrow->workers.count; i++)
     {
@@ -314,13 +311,13 @@ static qcStatus CollectContacts(qcNarrowphase* narrow)
             // stable.
             qcSortItem item = QC_AT(qcSortItem, worker->contactKeys, k);
             item.value |= (uint64_t)i << 48;
-            QC_AT(qcSortItem, narrow->order, at) = item;
+            QC_AT(qcSortItem, narrow->contactOrder, at) = item;
         }
     }
-    QC_TRY(qcSort_Items(narrow->order.data, total, &narrow->scratch));
+    QC_TRY(qcSort_Items(narrow->contactOrder.data, total, &narrow->contactScratch));
     for (size_t i = 0; i < total; i++)
     {
-        uint64_t index = QC_AT(qcSortItem, narrow->order, i).value;
+        uint64_t index = QC_AT(qcSortItem, narrow->contactOrder, i).value;
         QC_AT(qcContact, narrow->contacts, i) = QC_AT(
             qcContact, QC_AT(qcNarrowphaseWorker, narrow->workers, index >> 48).contacts, index & 0xffffffffffffULL);
     }
@@ -344,7 +341,7 @@ static qcStatus RunWorkers(Job* job, uint32_t threads, qcProfile* profile, doubl
     return qc_statusOk;
 }
 
-/// Pairs, segments and proximities in the order of narrow->order.
+/// Pairs, segments and proximities in the order of narrow->related.
 static qcStatus FillResults(Job* job, uint32_t threads)
 {
     qcNarrowphase* narrow = job->narrow;
@@ -407,7 +404,9 @@ void qcNarrowphase_Free(qcNarrowphase* narrow)
         qcLocalMinima_Free(&QC_AT(qcLocalMinima, narrow->localMinima, slot));
     qcArray_Free(&narrow->localMinima);
     qcArray_Free(&narrow->workers);
-    qcArray_Free(&narrow->order);
+    qcArray_Free(&narrow->related);
+    qcArray_Free(&narrow->contactOrder);
+    qcArray_Free(&narrow->contactScratch);
     qcArray_Free(&narrow->scratch);
     qcArray_Free(&narrow->pairs);
     qcArray_Free(&narrow->segments);

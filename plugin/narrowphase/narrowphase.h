@@ -10,7 +10,7 @@
 typedef struct qcNarrowphaseWorker
 {
     qcWorkerResult result;
-    qcArray found;       ///< of qcSortItem: candidate key, relation
+    qcArray found;       ///< uint64_t, as qcRelatedPair_Make
     qcArray contacts;    ///< of qcContact
     qcArray contactKeys; ///< of qcSortItem: candidate key, index in `contacts`
     uint64_t tests, fallbacks;
@@ -26,7 +26,8 @@ typedef struct qcNarrowphase
     //  Retained between steps.
     qcArray localMinima; ///< of qcLocalMinima, by slot
     qcArray workers;     ///< of qcNarrowphaseWorker
-    qcArray order, scratch;
+    qcArray related;     ///< uint64_t, as qcRelatedPair_Make: of the pairs, in their order
+    qcArray scratch, contactOrder, contactScratch;
 } qcNarrowphase;
 
 /// `def` selects what is reported. Adds to the profile's counters, sets exactMs and contactMs.

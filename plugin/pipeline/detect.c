@@ -64,6 +64,7 @@ static qcStatus BeginStep(const qcStep* step, qcBodies* bodies, qcStepTriangles*
     triangles->filter = step->def->pairFilter;
     triangles->filterContext = step->def->pairFilterContext;
     triangles->motion = step->def->motion;
+    triangles->maxPairs = step->def->maxPairs != 0 ? step->def->maxPairs : UINT64_MAX;
     QC_TRY(qcStepTriangles_Number(triangles, bodies));
     bodies->threads = triangles->count < qc_minThreadedTriangles ? 1 : step->threads;
     qcParallel_Wake(bodies->threads);
@@ -224,7 +225,7 @@ static bool IsSameRequest(const qcDetectDef* a, const qcDetectDef* b)
            a->resolution == b->resolution && a->iterations == b->iterations && a->backToFront == b->backToFront &&
            a->secondPassFromBack == b->secondPassFromBack && a->reliable == b->reliable && a->motion == b->motion &&
            a->candidates == b->candidates && a->spacing == b->spacing && a->unoriented == b->unoriented &&
-           a->sets == b->sets;
+           a->sets == b->sets && a->maxPairs == b->maxPairs;
 }
 
 static void Reuse(qcProfile* profile)

@@ -25,9 +25,9 @@ static void MarkAll(const qcStepTriangles* triangles, const qcPcs* pcs, const qc
     const uint64_t* keys = candidates->keys.data;
     for (size_t i = 0; !ofImage && i < candidates->keys.count; i++)
         MarkKey(bits, keys[i]);
-    const qcSortItem* classified = candidates->classified.data;
+    const uint64_t* classified = candidates->classified.data;
     for (size_t i = 0; i < candidates->classified.count; i++)
-        MarkKey(bits, classified[i].key);
+        MarkKey(bits, qcRelatedPair_Key(classified[i]));
 }
 
 /// Lists the marked triangles.
@@ -84,21 +84,21 @@ static bool AreNeighbours(const qcStepTriangles* triangles, uint64_t key)
 static qcStatus SortKeys(const qcStepTriangles* triangles, const qcCandidates* candidates, qcPcsReport* report)
 {
     const uint64_t *keys = candidates->keys.data, *contactKeys = candidates->contactKeys.data;
-    const qcSortItem* classified = candidates->classified.data;
+    const uint64_t* classified = candidates->classified.data;
     size_t count = 0;
     QC_TRY(qcArray_Resize(&report->items,
                           candidates->keys.count + candidates->contactKeys.count + candidates->classified.count,
-                          sizeof(qcSortItem), "the candidates"));
-    qcSortItem* items = report->items.data;
+                          sizeof(uint64_t), "the candidates"));
+    uint64_t* items = report->items.data;
     for (size_t i = 0; i < candidates->keys.count; i++)
-        items[count++] = (qcSortItem){keys[i], 0};
+        items[count++] = keys[i];
     for (size_t i = 0; i < candidates->classified.count; i++)
-        items[count++] = (qcSortItem){classified[i].key, 0};
+        items[count++] = qcRelatedPair_Key(classified[i]);
     for (size_t i = 0; i < candidates->contactKeys.count; i++)
         if (!AreNeighbours(triangles, contactKeys[i]))
-            items[count++] = (qcSortItem){contactKeys[i], 0};
+            items[count++] = contactKeys[i];
     report->items.count = count;
-    return qcSort_Items(items, count, &report->scratch);
+    return qcSort_Keys(items, count, &report->scratch);
 }
 
 static qcStatus ListCandidates(const qcStepTriangles* triangles, const qcCandidates* candidates, qcPcsReport* report)
@@ -108,9 +108,9 @@ static qcStatus ListCandidates(const qcStepTriangles* triangles, const qcCandida
     size_t at = 0;
     for (size_t i = 0; i < report->items.count; i++)
     {
-        uint64_t key = QC_AT(qcSortItem, report->items, i).key;
+        uint64_t key = QC_AT(uint64_t, report->items, i);
         // Classified pairs are listed for contacts, too.
-        if (i != 0 && key == QC_AT(qcSortItem, report->items, i - 1).key)
+        if (i != 0 && key == QC_AT(uint64_t, report->items, i - 1))
             continue;
         qcTriangleRef a = RefOf(triangles, (uint32_t)(key >> 32)), b = RefOf(triangles, (uint32_t)key);
         QC_AT(qcCandidate, report->pairs, at++) = (qcCandidate){a.body, a.triangle, b.body, b.triangle};

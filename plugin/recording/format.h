@@ -96,10 +96,11 @@ enum
     qc_detectHasFilter = 2048,
     qc_detectHasSpacing = 4096,
     qc_detectUnoriented = 8192,
-    qc_detectFlags = 16383
+    qc_detectHasMaxPairs = 16384,
+    qc_detectFlags = 32767
 };
 
-/// Then, with qc_detectHasSpacing, the spacing: a double.
+/// Then, with qc_detectHasSpacing, the spacing: a double. Then, with qc_detectHasMaxPairs, their number: 8 bytes.
 typedef struct qcDetectRecord
 {
     uint32_t method, flags, threads;

@@ -232,6 +232,8 @@ static qcStatus ReadDef(qcRecording* recording, qcDetectDef* def)
     *def = qcDefaultDetectDef();
     if ((record.flags & qc_detectHasSpacing) != 0)
         QC_TRY(qcRecordData_TakeInto(&data, &def->spacing, sizeof def->spacing));
+    if ((record.flags & qc_detectHasMaxPairs) != 0)
+        QC_TRY(qcRecordData_TakeInto(&data, &def->maxPairs, sizeof def->maxPairs));
     QC_TRY(qcRecordData_CheckDone(&data));
     def->unoriented = (record.flags & qc_detectUnoriented) != 0;
     def->method = (qcMethod)record.method;

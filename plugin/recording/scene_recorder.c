@@ -282,7 +282,8 @@ static uint32_t FlagsOf(const qcDetectDef* def)
            (def->layerTimes ? qc_detectLayerTimes : 0) | (def->backToFront ? qc_detectBackToFront : 0) |
            (def->secondPassFromBack ? qc_detectSecondPassFromBack : 0) | (def->reliable ? qc_detectReliable : 0) |
            (def->motion ? qc_detectMotion : 0) | (def->pairFilter != NULL ? qc_detectHasFilter : 0) |
-           (def->spacing > 0.0 ? qc_detectHasSpacing : 0) | (def->unoriented ? qc_detectUnoriented : 0);
+           (def->spacing > 0.0 ? qc_detectHasSpacing : 0) | (def->unoriented ? qc_detectUnoriented : 0) |
+           (def->maxPairs != 0 ? qc_detectHasMaxPairs : 0);
 }
 
 void qcSceneRecorder_BeginDetect(qcSceneRecorder* recorder, qcDetectDef* def)
@@ -303,6 +304,8 @@ void qcSceneRecorder_BeginDetect(qcSceneRecorder* recorder, qcDetectDef* def)
     qcRecordWriter_Put(&recorder->writer, &record, sizeof record);
     if (def->spacing > 0.0)
         qcRecordWriter_Put(&recorder->writer, &def->spacing, sizeof def->spacing);
+    if (def->maxPairs != 0)
+        qcRecordWriter_Put(&recorder->writer, &def->maxPairs, sizeof def->maxPairs);
     qcRecordWriter_End(&recorder->writer);
     qcRecordWriter_Flush(&recorder->writer);
     recorder->hasFilter = def->pairFilter != NULL;

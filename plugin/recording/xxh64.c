@@ -1,4 +1,5 @@
-// XXH64: Yann Collet, xxHash fast digest algorithm, version 0.1.1. Four lanes of eight bytes each; the rest in words, then bytes.
+// XXH64: Yann Collet, xxHash fast digest algorithm, version 0.1.1. Four lanes of eight bytes each; the rest in words,
+// then bytes.
 #include "quickcullide/hash.h"
 
 #include <string.h>

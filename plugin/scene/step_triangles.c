@@ -1,6 +1,7 @@
 // Numbering of a step's triangles.
 #include "scene/step_triangles.h"
 
+#include "base/related_pair.h"
 #include "base/status.h"
 
 #include <string.h>
@@ -11,8 +12,9 @@ static qcStatus Number(qcStepTriangles* t, const qcBodies* bodies)
     for (size_t slot = 0; slot < bodies->slots.count; slot++)
         if (qcBody_IsUsed(&QC_AT(qcBody, bodies->slots, slot)))
             total += QC_AT(qcBody, bodies->slots, slot).triangleCount;
-    if (total > UINT32_MAX - 1)
-        return qcFail(qc_statusBadInput, "%llu triangles in one scene: at most 2^32 - 2", (unsigned long long)total);
+    if (total > qc_maxStepTriangles)
+        return qcFail(qc_statusBadInput, "%llu triangles in one scene: at most %d", (unsigned long long)total,
+                      qc_maxStepTriangles);
 
     t->bodyCount = bodies->count;
     t->count = (uint32_t)total;

@@ -12,7 +12,8 @@ typedef struct qcStepTriangles
     const qcBodies* bodies;
     qcPairFilter filter; ///< of the step; may be null
     void* filterContext;
-    bool motion; ///< boxes are those of the motion from the start to the present
+    bool motion;       ///< boxes are those of the motion from the start to the present
+    uint64_t maxPairs; ///< of the step; UINT64_MAX: no limit
     uint32_t bodyCount, count;
     uint64_t numbered; ///< qcBodies::added at the last numbering; 0: none yet
     qcArray slots;     ///< uint32_t: slot of a body

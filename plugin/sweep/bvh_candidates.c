@@ -193,7 +193,8 @@ static void ReadVerletList(void* context, size_t i, uint32_t worker)
     const VerletJobs* jobs = context;
     qcBvhCandidates* sweep = jobs->run->sweep;
     const qcBvhPairsJob* job = &QC_AT(qcBvhPairsJob, sweep->jobs, jobs->first + i);
-    uint32_t slot = (uint32_t)(job->a - (const qcBodyBvh*)sweep->bvhs.data);
+    const qcBody* slots = jobs->run->job->triangles->bodies->slots.data;
+    uint32_t slot = (uint32_t)(job->bodyA - slots);
     qcVerletList_Find(&sweep->verletList, slot, job, worker);
 }
 
@@ -225,7 +226,8 @@ static bool FillsVerlet(const Run* run)
 static qcStatus BeginVerlet(const Run* run)
 {
     for (uint32_t slot = 0; slot < run->sweep->bvhs.count; slot++)
-        qcVerletReference_Clear(&qcBvhCandidates_At(run->sweep, slot)->verlet);
+        if (qcBvhCandidates_At(run->sweep, slot) != NULL)
+            qcVerletReference_Clear(&qcBvhCandidates_At(run->sweep, slot)->verlet);
     return qcVerletList_Begin(&run->sweep->verletList, run->job->threads);
 }
 
@@ -308,7 +310,7 @@ qcStatus qcBvhCandidates_Run(const qcBvhCandidatesJob* job, qcBvhCandidates* swe
     const qcStepTriangles* t = job->triangles;
     Run run = {.sweep = sweep, .job = job, .flatPatches = !job->testNeighbours};
     run.fillsVerlet = FillsVerlet(&run);
-    QC_TRY(qcPairBuffers_Begin(&sweep->buffers, job->threads));
+    QC_TRY(qcPairBuffers_Begin(&sweep->buffers, job->threads, t->maxPairs));
     QC_TRY(ClearVisited(&run));
     if (run.fillsVerlet)
         QC_TRY(BeginVerlet(&run));
@@ -336,7 +338,7 @@ qcStatus qcBvhCandidates_Run(const qcBvhCandidatesJob* job, qcBvhCandidates* swe
 void qcBvhCandidates_Free(qcBvhCandidates* sweep)
 {
     for (uint32_t slot = 0; slot < sweep->bvhs.count; slot++)
-        qcBodyBvh_Free(qcBvhCandidates_At(sweep, slot));
+        qcBvhCandidates_Delete(sweep, slot);
     qcPairBuffers_Free(&sweep->buffers);
     for (size_t i = 0; i < sweep->refitScratch.count; i++)
         qcBvhScratch_Free(&QC_AT(qcBvhScratch, sweep->refitScratch, i));

@@ -18,7 +18,7 @@ typedef struct qcRefitTask
 typedef struct qcBvhCandidates
 {
     const qcTriangleKernels* kernels; ///< chosen at first use
-    qcArray bvhs;                     ///< of qcBodyBvh, by slot
+    qcArray bvhs;                     ///< qcBodyBvh*, by slot; null: the body has had no BVH so far
     qcVerletList verletList;
     //  Of the step.
     qcArray partlyRefitted; ///< uint8_t, by body: only the moved vertices were refitted
@@ -59,9 +59,13 @@ qcStatus qcBvhCandidates_Run(const qcBvhCandidatesJob* job, qcBvhCandidates* swe
                              qcProfile* profile);
 void qcBvhCandidates_Free(qcBvhCandidates* sweep);
 
+/// Frees the BVH of a slot, if there is one.
+void qcBvhCandidates_Delete(qcBvhCandidates* sweep, uint32_t slot);
+
+/// Null: the body of the slot has had no BVH so far.
 static inline qcBodyBvh* qcBvhCandidates_At(const qcBvhCandidates* sweep, uint32_t slot)
 {
-    return &QC_AT(qcBodyBvh, sweep->bvhs, slot);
+    return QC_AT(qcBodyBvh*, sweep->bvhs, slot);
 }
 
 /// The distance within which pairs of two bodies are candidates, by the sum of both bodies' margins.

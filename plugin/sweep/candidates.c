@@ -50,7 +50,9 @@ void qcCandidates_Offer(const qcCandidateRules* rules, uint32_t bodyA, uint32_t 
     }
     if (!qcWorkerResult_IsOk(&buffer->result))
         return;
-    qcStatus status = qcArray_Reserve(keys, keys->count + 1, sizeof(uint64_t), "candidate pairs");
+    qcStatus status = qcRelatedPair_CheckCount(keys->count + 1, t->maxPairs);
+    if (status == qc_statusOk)
+        status = qcArray_Reserve(keys, keys->count + 1, sizeof(uint64_t), "candidate pairs");
     if (qcWorkerResult_Add(&buffer->result, status))
         QC_AT(uint64_t, *keys, keys->count++) = qcStepTriangles_Key(triangleA, triangleB);
 }
@@ -141,22 +143,20 @@ qcStatus qcCandidates_Sweep(const qcCandidateRules* rules, qcCandidates* candida
     return qcCandidates_End(candidates, profile);
 }
 
-/// Appends items, each of which begins with the key of a pair, without those that the step's filter leaves out.
-static qcStatus AppendFiltered(const qcStepTriangles* t, const qcPcs* pcs, const qcArray* items, size_t itemSize,
+/// Appends pairs, given by their keys or as qcRelatedPair_Make, without those that the step's filter leaves out.
+static qcStatus AppendFiltered(const qcStepTriangles* t, const qcPcs* pcs, const qcArray* pairs, bool related,
                                qcArray* array)
 {
     size_t kept = array->count;
-    QC_TRY(qcArray_Append(array, items, itemSize, "candidate pairs"));
+    QC_TRY(qcArray_Append(array, pairs, sizeof(uint64_t), "candidate pairs"));
     if (t->filter == NULL)
         return qc_statusOk;
-    char* data = array->data;
     for (size_t i = kept; i < array->count; i++)
     {
-        uint64_t key;
-        memcpy(&key, data + i * itemSize, sizeof key);
+        uint64_t pair = QC_AT(uint64_t, *array, i), key = related ? qcRelatedPair_Key(pair) : pair;
         uint32_t a = qcStepTriangles_BodyOf(t, (uint32_t)(key >> 32)), b = qcStepTriangles_BodyOf(t, (uint32_t)key);
         if (a == b || qcBodyPair_Classify(t, pcs, a, b) == qc_pairTest)
-            memmove(data + itemSize * kept++, data + i * itemSize, itemSize);
+            QC_AT(uint64_t, *array, kept++) = pair;
     }
     array->count = kept;
     return qc_statusOk;
@@ -165,9 +165,11 @@ static qcStatus AppendFiltered(const qcStepTriangles* t, const qcPcs* pcs, const
 qcStatus qcCandidates_Add(const qcStepTriangles* triangles, const qcPcs* pcs, const qcPairKeys* keys,
                           qcCandidates* candidates)
 {
-    QC_TRY(AppendFiltered(triangles, pcs, keys->keys, sizeof(uint64_t), &candidates->keys));
-    QC_TRY(AppendFiltered(triangles, pcs, keys->contactKeys, sizeof(uint64_t), &candidates->contactKeys));
-    return AppendFiltered(triangles, pcs, keys->classified, sizeof(qcSortItem), &candidates->classified);
+    QC_TRY(AppendFiltered(triangles, pcs, keys->keys, false, &candidates->keys));
+    QC_TRY(AppendFiltered(triangles, pcs, keys->contactKeys, false, &candidates->contactKeys));
+    QC_TRY(AppendFiltered(triangles, pcs, keys->classified, true, &candidates->classified));
+    QC_TRY(qcRelatedPair_CheckCount(candidates->keys.count + candidates->classified.count, triangles->maxPairs));
+    return qcRelatedPair_CheckCount(candidates->contactKeys.count, triangles->maxPairs);
 }
 
 void qcCandidates_Free(qcCandidates* candidates)

@@ -22,7 +22,7 @@ typedef struct qcCandidates
 {
     qcArray keys;        ///< uint64_t: candidates, in no order
     qcArray contactKeys; ///< uint64_t: pairs for contacts only: neighbours, and pairs that are classified
-    qcArray classified;  ///< of qcSortItem: key and relation, of pairs that need no exact test; not among the keys
+    qcArray classified;  ///< uint64_t, as qcRelatedPair_Make: pairs that need no exact test; not among the keys
     //  Scratch, retained between steps.
     qcSweep sweep;
     qcArray boxes;          ///< of qcSweepBox: sweep

@@ -21,6 +21,9 @@ qcStatus qcIslands_Find(const qcStepTriangles* triangles, const qcBodyPairs* pai
 /// Clears the flags (by body) of islands in which not all bodies are flagged, and of bodies without an island. Its
 /// input is the last qcIslands_Find.
 void qcIslands_KeepWhole(qcIslands* islands, uint8_t* flags);
+/// Clears the flags (by body) of islands in which no body has more than `most` triangles. Its input is the last
+/// qcIslands_Find. O(bodies).
+void qcIslands_LeaveSmall(qcIslands* islands, const qcStepTriangles* triangles, uint32_t most, uint8_t* flags);
 void qcIslands_Free(qcIslands* islands);
 
 #endif

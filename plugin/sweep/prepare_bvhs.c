@@ -13,17 +13,36 @@ enum
     qc_searchesBefore = 2
 };
 
-/// Room for all slots; frees BVHs of removed bodies.
-static qcStatus SyncSlots(const qcStepTriangles* t, qcBvhCandidates* sweep)
+void qcBvhCandidates_Delete(qcBvhCandidates* sweep, uint32_t slot)
+{
+    qcBodyBvh* bvh = qcBvhCandidates_At(sweep, slot);
+    if (bvh == NULL)
+        return;
+    qcBodyBvh_Free(bvh);
+    qcFree(bvh, sizeof *bvh);
+    QC_AT(qcBodyBvh*, sweep->bvhs, slot) = NULL;
+}
+
+/// Room for all slots, and an empty BVH for each flagged body without one; deletes BVHs of removed bodies.
+static qcStatus SyncSlots(const qcStepTriangles* t, const uint8_t* flags, qcBvhCandidates* sweep)
 {
     const qcArray* slots = &t->bodies->slots;
     size_t old = sweep->bvhs.count;
-    QC_TRY(qcArray_GrowZeroed(&sweep->bvhs, slots->count, sizeof(qcBodyBvh), "BVHs"));
+    QC_TRY(qcArray_GrowZeroed(&sweep->bvhs, slots->count, sizeof(qcBodyBvh*), "BVHs"));
     for (uint32_t slot = 0; slot < old; slot++)
     {
-        qcBodyBvh* bvh = qcBvhCandidates_At(sweep, slot);
-        if (bvh->bvh.generation != 0 && bvh->bvh.generation != QC_AT(qcBody, *slots, slot).generation)
-            qcBodyBvh_Free(bvh);
+        const qcBodyBvh* bvh = qcBvhCandidates_At(sweep, slot);
+        if (bvh != NULL && bvh->bvh.generation != 0 && bvh->bvh.generation != QC_AT(qcBody, *slots, slot).generation)
+            qcBvhCandidates_Delete(sweep, slot);
+    }
+    for (uint32_t body = 0; body < t->bodyCount; body++)
+    {
+        qcBodyBvh** bvh = &QC_AT(qcBodyBvh*, sweep->bvhs, qcStepTriangles_Slot(t, body));
+        if (!flags[body] || *bvh != NULL)
+            continue;
+        *bvh = qcAllocateZeroed(sizeof **bvh);
+        if (*bvh == NULL)
+            return qcFailMemory(sizeof **bvh, "a BVH");
     }
     return qc_statusOk;
 }
@@ -88,7 +107,7 @@ static qcStatus BuildBvhs(const qcBvhCandidatesJob* job, const uint8_t* flags, q
     sweep->tasks.count = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
-        qcBodyBvh* bvh = qcBvhCandidates_At(sweep, qcStepTriangles_Slot(triangles, body));
+        const qcBodyBvh* bvh = qcBvhCandidates_At(sweep, qcStepTriangles_Slot(triangles, body));
         if (flags[body] && NeedsBuild(bvh, qcStepTriangles_Body(triangles, body)))
             QC_TRY(AddTask(sweep, body));
     }
@@ -223,7 +242,7 @@ qcStatus qcBvhCandidates_Prepare(const qcBvhCandidatesJob* job, qcBvhCandidates*
 {
     if (sweep->kernels == NULL)
         sweep->kernels = qcTriangleKernels_Get();
-    QC_TRY(SyncSlots(job->triangles, sweep));
+    QC_TRY(SyncSlots(job->triangles, flags, sweep));
     QC_TRY(BuildBvhs(job, flags, sweep));
     return RefitBvhs(job, sweep, flags);
 }

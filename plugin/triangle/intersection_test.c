@@ -46,6 +46,21 @@ static bool BoxesMeet(const double a[3][3], const double b[3][3])
     return true;
 }
 
+static bool IsCornerOf(const double point[3], const double t[3][3])
+{
+    for (int i = 0; i < 3; i++)
+        if (point[0] == t[i][0] && point[1] == t[i][1] && point[2] == t[i][2])
+            return true;
+    return false;
+}
+
+/// True if each corner of one is a corner of the other: both are the same triangle, segment or point.
+static bool AreSame(const double a[3][3], const double b[3][3])
+{
+    return IsCornerOf(a[0], b) && IsCornerOf(a[1], b) && IsCornerOf(a[2], b) && IsCornerOf(b[0], a) &&
+           IsCornerOf(b[1], a) && IsCornerOf(b[2], a);
+}
+
 //  ---- general position --------------------------------------------------------------------------------------
 
 static bool SameStrictSide(const int side[3])
@@ -240,6 +255,8 @@ static qcRelation RelateFlat(const double a[3][3], const double b[3][3], uint64_
 
 qcRelation qcExact_Relate(const double a[3][3], const double b[3][3], uint64_t* undecided)
 {
+    if (AreSame(a, b))
+        return qc_relationPenetrating;
     if (!BoxesMeet(a, b))
         return qc_relationDisjoint;
     int sideB[3], sideA[3];
@@ -247,11 +264,13 @@ qcRelation qcExact_Relate(const double a[3][3], const double b[3][3], uint64_t* 
         sideB[i] = qcOrient3d(a[0], a[1], a[2], b[i], undecided);
     if (SameStrictSide(sideB))
         return qc_relationDisjoint;
+    if (AllZero(sideB))
+        return RelateFlat(a, b, undecided);
     for (int i = 0; i < 3; i++)
         sideA[i] = qcOrient3d(b[0], b[1], b[2], a[i], undecided);
     if (SameStrictSide(sideA))
         return qc_relationDisjoint;
-    if (AllZero(sideA) || AllZero(sideB))
+    if (AllZero(sideA))
         return RelateFlat(a, b, undecided);
     return OnLine(a, b, sideA, sideB, undecided);
 }

@@ -43,6 +43,15 @@ static bool HaveSame(const double a[3], const double b[3], const double c[3], co
     return AreSame(a, b) || AreSame(a, c) || AreSame(a, d) || AreSame(b, c) || AreSame(b, d) || AreSame(c, d);
 }
 
+/// All four points have one coordinate in common: their determinant is 0.
+static bool ShareCoordinate(const double a[3], const double b[3], const double c[3], const double d[3])
+{
+    for (int axis = 0; axis < 3; axis++)
+        if (a[axis] == b[axis] && a[axis] == c[axis] && a[axis] == d[axis])
+            return true;
+    return false;
+}
+
 int qcOrient3d(const double a[3], const double b[3], const double c[3], const double d[3], uint64_t* undecided)
 {
     Filtered f = Determinant3(a, b, c, d);
@@ -50,7 +59,7 @@ int qcOrient3d(const double a[3], const double b[3], const double c[3], const do
         return 1;
     if (-f.determinant > f.bound)
         return -1;
-    if (HaveSame(a, b, c, d))
+    if (HaveSame(a, b, c, d) || ShareCoordinate(a, b, c, d))
         return 0;
     if (undecided != NULL)
         ++*undecided;
@@ -81,6 +90,9 @@ int qcOrient2d(const double a[3], const double b[3], const double c[3], int u, i
         return 1;
     if (-determinant > bound)
         return -1;
+    // Both products are 0, since each has two equal coordinates.
+    if ((b[u] == a[u] || c[v] == a[v]) && (b[v] == a[v] || c[u] == a[u]))
+        return 0;
     if (undecided != NULL)
         ++*undecided;
     return qcExactSign2(a[u], a[v], b[u], b[v], c[u], c[v]);

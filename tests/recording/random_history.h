@@ -139,6 +139,7 @@ static inline void History_Detect(History* history, uint32_t* salt)
     def.contactMargin = kind == 4 ? 0.02 : 0.0;
     def.nearestContacts = kind == 4;
     def.motion = kind == 5;
+    def.maxPairs = kind == 5 ? (uint64_t)1 << 40 : 0;
     *salt = qcRandom_Below(&history->random, 3);
     if (History_OneIn(history, 3))
     {

@@ -220,10 +220,31 @@ START_TEST(two_points_in_one_place_need_no_integers)
 }
 END_TEST
 
+START_TEST(points_with_a_common_coordinate_need_no_integers)
+{
+    qcRandom random = {32};
+    uint64_t undecided = 0;
+    for (int i = 0; i < 600; i++)
+    {
+        qcTrianglePair pair;
+        qcTrianglePair_MakeAny(&random, &pair);
+        double* points[4] = {pair.a[0], pair.a[1], pair.a[2], pair.b[0]};
+        int axis = i % 3;
+        for (int k = 1; k < 4; k++)
+            points[k][axis] = points[0][axis];
+        ck_assert_int_eq(qcOracle_Orient3d(points[0], points[1], points[2], points[3]), 0);
+        ck_assert_int_eq(qcOrient3d(points[0], points[1], points[2], points[3], &undecided), 0);
+        ck_assert_int_eq(qcOrient2d(points[0], points[1], points[2], axis, (axis + 1) % 3, &undecided), 0);
+    }
+    ck_assert_uint_eq(undecided, 0);
+}
+END_TEST
+
 QC_RUN_TESTS("orientation", a_point_on_the_side_of_the_normal_is_positive,
              a_left_turn_is_positive_in_the_named_coordinates, one_ulp_off_a_plane_changes_the_sign_at_every_scale,
              one_ulp_off_a_line_changes_the_sign_at_every_scale,
              signs_are_exact_for_the_largest_and_the_smallest_double_in_one_call,
              signs_are_exact_for_short_integers_and_slightly_longer_ones, signs_near_zero_are_exact,
              exchanging_two_points_changes_the_sign, the_filter_decides_points_in_general_position,
-             undecided_predicates_are_counted, two_points_in_one_place_need_no_integers)
+             undecided_predicates_are_counted, two_points_in_one_place_need_no_integers,
+             points_with_a_common_coordinate_need_no_integers)

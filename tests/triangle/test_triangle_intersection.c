@@ -257,6 +257,25 @@ static Count CheckSoup(qcSoup* soup)
     return count;
 }
 
+START_TEST(equal_triangles_penetrate_in_any_order_of_corners)
+{
+    qcRandom random = {5};
+    for (int i = 0; i < 3000; i++)
+    {
+        qcTrianglePair pair;
+        qcTrianglePair_MakeAny(&random, &pair);
+        for (int c = 0; c < 3; c++)
+            memcpy(pair.b[i % 2 == 0 ? c : 2 - c], pair.a[(c + i) % 3], sizeof pair.a[0]);
+        uint64_t undecided = 0;
+        ck_assert_int_eq(qcExact_Relate(pair.a, pair.b, &undecided), qc_relationPenetrating);
+        ck_assert_uint_eq(undecided, 0);
+        // One corner less: a side or a corner of the other, or the same segment.
+        memcpy(pair.b[0], pair.b[1], sizeof pair.b[0]);
+        ck_assert_int_eq(qcExact_Relate(pair.a, pair.b, NULL), qcOracle_Relate(pair.a, pair.b));
+    }
+}
+END_TEST
+
 START_TEST(triangles_of_a_flat_grid_only_touch)
 {
     qcSoup soup = qcSoup_MakeGrid(7);
@@ -326,6 +345,7 @@ int main(void)
     tcase_add_test(tcase, the_relation_of_generated_pairs_is_independent_of_order);
     tcase_add_test(tcase, generated_pairs_are_finite_and_of_every_relation);
     tcase_add_test(tcase, the_filter_decides_pairs_in_general_position);
+    tcase_add_test(tcase, equal_triangles_penetrate_in_any_order_of_corners);
     tcase_add_test(tcase, triangles_of_a_flat_grid_only_touch);
     tcase_add_test(tcase, triangles_of_a_sphere_only_touch);
     tcase_add_test(tcase, layers_of_thin_sheets_are_disjoint);

@@ -144,7 +144,7 @@ qcStatus qcCpuRefine_Run(const qcCpuRefineJob* job, qcCpuRefine* refine, const q
 {
     if (refine->kernels == NULL)
         refine->kernels = qcTriangleKernels_Get();
-    QC_TRY(qcPairBuffers_Begin(&refine->buffers, job->threads));
+    QC_TRY(qcPairBuffers_Begin(&refine->buffers, job->threads, job->triangles->maxPairs));
     QC_TRY(qcArray_Resize(&refine->queues, (size_t)job->threads * qc_queueRoom, sizeof(qcSlotPair), "pairs of slots"));
     Refining r = {
         .job = job,
