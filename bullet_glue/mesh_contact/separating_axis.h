@@ -25,8 +25,9 @@ btScalar qcGapAlong(const qcPlacedSupport& a, const qcPlacedSupport& b, const bt
 btScalar qcGapError(const qcPlacedSupport& a, const qcPlacedSupport& b);
 
 /// Finds a direction with a large gap: the largest, up to rounding, if it is above 0; below, the largest among the
-/// normals of faces, the guess and the axes of the hulls moved a little apart. Stops at the first one with a gap above `enough`. Normals of faces are preferred
-/// where their gap is less by at most `slack`. `guess`: of any length, for example the axis of the previous step.
+/// normals of faces, the guess and the axes of the hulls moved a little apart. Stops at the first one with a gap above
+/// `enough`. Normals of faces are preferred where their gap is less by at most `slack`. `guess`: of any length, for
+/// example the axis of the previous step.
 qcSeparation qcFindSeparation(const qcPlacedSupport& a, const qcPlacedSupport& b, const btVector3& guess,
                               btScalar enough, btScalar slack);
 

@@ -13,7 +13,7 @@ typedef struct qcSortItem
 /// Sorts by key, ascending; items with the same key keep their order. O(count) per 11 bits in which keys differ.
 /// `scratch` is memory to reuse.
 qcStatus qcSort_Items(qcSortItem* items, size_t count, qcArray* scratch);
-/// As qcSort_Items, for keys alone.
+/// Sorts keys without values. O(count) per 11 bits in which keys differ.
 qcStatus qcSort_Keys(uint64_t* keys, size_t count, qcArray* scratch);
 
 /// A key whose order is the order of the floats (NaN excluded).

@@ -246,7 +246,7 @@ START_TEST(triangles_under_a_transform_too_large_for_floats_overlap_everything)
         for (size_t j = 0; j < LENGTH(large); j++)
         {
             MakeOther(&random, 9, &other);
-            other.transformed.points = (qcBoxTransform){{{0}}, {0}, {INFINITY, INFINITY, INFINITY}};
+            other.transformed.points = (qcBoxTransform){{{0}}, {0}, {INFINITY, INFINITY, INFINITY}, false};
             for (int axis = 0; axis < 3; axis++)
             {
                 other.transformed.points.linear[axis][axis] = large[i];

@@ -278,9 +278,18 @@ bool qcSoftBodyScene::AreAllAlone() const
     return !m_bodies.empty() && std::all_of(m_bodies.begin(), m_bodies.end(), isAlone);
 }
 
-/// Finds which bodies may come near another soft body or a mesh over the step.
-void qcSoftBodyScene::FindPartners()
+/// Finds which bodies may come near another soft body or a mesh over the step. Where none can be left out of queries,
+/// the boxes are not worth their time: all count as having partners.
+void qcSoftBodyScene::FindPartners(bool mayLeaveOut)
 {
+    auto mayBeAlone = [](const qcSceneSoftBody& tracked)
+    { return tracked.topology.isChain || !tracked.settings.selfCollision; };
+    if (!mayLeaveOut || std::none_of(m_bodies.begin(), m_bodies.end(), mayBeAlone))
+    {
+        for (qcSceneSoftBody& tracked : m_bodies)
+            tracked.hasPartner = true;
+        return;
+    }
     const btScalar reach = ContactDistance() / 2;
     m_boxes.Clear();
     for (qcSceneSoftBody& tracked : m_bodies)
@@ -305,7 +314,7 @@ bool qcSoftBodyScene::FindLone(bool starts)
     // `cullide` and `quick` find no contacts: their queries fail.
     const bool mayLeaveOut = !reportsCandidates && method != qc_methodCullide && method != qc_methodQuick;
     bool isFound = false;
-    FindPartners();
+    FindPartners(mayLeaveOut);
     for (qcSceneSoftBody& tracked : m_bodies)
     {
         const bool wasAlone = tracked.isAlone, wasApart = tracked.isApart;

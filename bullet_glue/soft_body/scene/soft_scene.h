@@ -185,7 +185,7 @@ class qcSoftBodyScene
     void ApplySettings(qcSceneSoftBody& tracked);
     void ApplyFilters(const qcSceneSoftBody& tracked);
     void ApplyThickness(qcSceneSoftBody& tracked);
-    void FindPartners();
+    void FindPartners(bool mayLeaveOut);
     bool FindLone(bool starts);
     bool AreAllAlone() const;
     qcStatus MarkStarts(bool areThere);

@@ -101,7 +101,7 @@ typedef struct qcLayersFrame
     double origin[3], unit;
 } qcLayersFrame;
 
-/// Pointers stay valid until qcLayers_End.
+/// Pointers stay valid until qcLayers_Run returns.
 typedef struct qcLayersStep
 {
     /// Elements of each input buffer. Where this exceeds the buffer's size, the buffer grows and loses its content.
@@ -182,15 +182,10 @@ bool qcLayers_SharesVertices(const qcLayers* layers);
 /// Null is allowed.
 void qcLayers_Destroy(qcLayers* layers);
 
-/// A step: Open, then Begin and End, or Run instead of both. Memory for the step's vertices. Waits for the device only
-/// where buffers grow. Up to three steps may have been opened and not ended.
+/// Begins a step, which qcLayers_Run ends: memory for its vertices. Waits for the device only where buffers grow.
 qcStatus qcLayers_Open(qcLayers* layers, const qcLayersStep* step, qcLayersMemory* memory);
-/// Submits a step, and doesn't wait for the device. qc_statusDevice: the device's buffers can't hold the scene, or the
-/// device fails.
-qcStatus qcLayers_Begin(qcLayers* layers, const qcLayersStep* step);
-/// Waits for the step that was begun. Statuses as for qcLayers_Begin.
-qcStatus qcLayers_End(qcLayers* layers, qcLayersAnswer* answer);
-/// Begin and End with one hand-over to the device's thread.
+/// Submits the step that was opened, and waits for it. qc_statusDevice: the device's buffers can't hold the scene, or
+/// the device fails.
 qcStatus qcLayers_Run(qcLayers* layers, const qcLayersStep* step, qcLayersAnswer* answer);
 
 /// Number of the cell at a column, row and slice.
