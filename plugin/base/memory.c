@@ -102,11 +102,11 @@ void qcFree(void* memory, size_t size)
     s_free(memory, size, s_context);
 }
 
-/// One and a half times the capacity, at least 64 bytes: n pushes cost O(n), and the arrays of small bodies stay small.
+/// One and a half times the capacity, at least 4096 bytes: n pushes cost O(n).
 static size_t GrownCapacity(const qcArray* array)
 {
     size_t capacity = array->capacity + array->capacity / 2;
-    return capacity < 64 ? 64 : capacity;
+    return capacity < 4096 ? 4096 : capacity;
 }
 
 /// Moves the elements to a block of another size, large enough for them.

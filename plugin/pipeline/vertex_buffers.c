@@ -187,7 +187,7 @@ qcStatus qcVertexBuffers_Gather(const qcStep* step, const qcStepTriangles* trian
         QC_TRY(ListPair(&listing, QC_AT(uint64_t, candidates->keys, i)));
     bool needsClassified = any && (step->def->segments || step->def->proximities);
     for (size_t i = 0; needsClassified && i < candidates->classified.count; i++)
-        QC_TRY(ListPair(&listing, QC_AT(qcSortItem, candidates->classified, i).key));
+        QC_TRY(ListPair(&listing, qcRelatedPair_Key(QC_AT(uint64_t, candidates->classified, i))));
     if (b->items.count == 0)
         return qc_statusOk;
     QC_TRY(qcSort_Items(b->items.data, b->items.count, &b->scratch));

@@ -311,7 +311,6 @@ static void FindReverse(Search* s, const qcRigidTransform* transformA, const qcR
                               .thresholds = &unused};
     (void)qcLatticeMap_Find(&map);
     s->reverse = transformed.levels;
-    s->reverse.isDiagonal = false;
 }
 
 static void FindTransforms(Search* s)
@@ -333,7 +332,6 @@ static void FindTransforms(Search* s)
     if (s->a->fit.isLocal)
         SetNear(&s->thresholds, s->job->near * s->a->fit.lattice.unit[0], r.growth, r.stretch);
     s->thresholds.isTransformed = true;
-    s->transformed.levels.isDiagonal = !isLocal;
     // Pairs of single leaf nodes are compared in less time.
     s->isTurned = s->b->fit.isLocal && (s->a->clusters.nodeCount > 1 || s->b->clusters.nodeCount > 1);
     if (s->isTurned)

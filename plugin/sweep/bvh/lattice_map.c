@@ -54,6 +54,7 @@ static bool FindTransformRow(const qcLatticeMap* map, int i)
 bool qcLatticeMap_Find(const qcLatticeMap* map)
 {
     bool isExact = true;
+    map->transformed->levels.isDiagonal = map->transformed->points.isDiagonal = !map->rounds;
     for (int i = 0; i < 3; i++)
         isExact = FindTransformRow(map, i) && isExact;
     return isExact;
