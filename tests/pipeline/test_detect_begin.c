@@ -1,7 +1,9 @@
 // A step in the background gives what qcScene_Detect gives; until its end the scene refuses all that would disturb it.
-#define _DEFAULT_SOURCE // fork, mkdtemp
+#define _DEFAULT_SOURCE // fork
 #include "support/devices.h"
 #include "support/failing_heap.h"
+#include "support/replay.h"
+#include "support/run_program.h"
 #include "support/scenes.h"
 #include "support/suite.h"
 
@@ -358,39 +360,10 @@ START_TEST(a_failed_allocation_in_the_background_is_reported_at_the_end_and_the_
 }
 END_TEST
 
-/// Applies all operations; each detection has its recorded result. Returns the count of detections.
-static int Replay(const char* path)
-{
-    qcRecording* recording = NULL;
-    CHECK_OK(qcRecording_Open(path, &recording));
-    qcScene* scene = qcMakeScene(NULL);
-    const qcOperation* operation;
-    const qcResult* result;
-    int detections = 0;
-    for (;;)
-    {
-        CHECK_OK(qcRecording_Next(recording, &operation));
-        if (operation->kind == qc_operationEnd)
-            break;
-        CHECK_OK(qcOperation_Apply(operation, scene, &result));
-        if (operation->kind != qc_operationDetect)
-            continue;
-        qcResultHash hash = qcResult_Hash(result);
-        ck_assert(operation->hasResult);
-        ck_assert(memcmp(&hash, &operation->resultHash, sizeof hash) == 0);
-        detections++;
-    }
-    ck_assert(operation->isComplete);
-    qcRecording_Close(recording);
-    qcScene_Destroy(scene);
-    return detections;
-}
-
 START_TEST(a_recording_of_steps_in_the_background_replays)
 {
-    char folder[] = "/tmp/qc_detect_begin_XXXXXX", path[64];
-    ck_assert_ptr_nonnull(mkdtemp(folder));
-    snprintf(path, sizeof path, "%s/a.qcr", folder);
+    const char* path = "steps.qcr";
+    EnterFolder();
     World world = MakeWorld(NULL, 10);
     CHECK_OK(qcScene_Record(world.scene, path));
     qcDetectDef def = DefOf(qc_methodSweep, 2);
@@ -409,9 +382,10 @@ START_TEST(a_recording_of_steps_in_the_background_replays)
     }
     // The last one is pending.
     EndWorld(&world);
-    ck_assert_int_eq(Replay(path), 5);
-    unlink(path);
-    rmdir(folder);
+    Replay replay = ReplayFile(path, NULL, qc_methodSweep, 2);
+    ck_assert(replay.isComplete);
+    ck_assert_uint_eq(replay.detections, 5);
+    LeaveFolder();
     ck_assert_uint_eq(qcGetByteCount(), 0);
 }
 END_TEST

@@ -1,7 +1,7 @@
 // A recording that can't be written changes nothing in the scene. QC_RECORD, forks and crashes.
 #define _DEFAULT_SOURCE // setrlimit, setenv
 #include "recording/random_history.h"
-#include "recording/replay.h"
+#include "support/replay.h"
 #include "support/failing_heap.h"
 #include "support/run_program.h"
 #include "support/suite.h"

@@ -1,6 +1,6 @@
 // Recorded scenes, replayed by other methods and numbers of threads, report what they reported when they were recorded.
 #include "recording/random_history.h"
-#include "recording/replay.h"
+#include "support/replay.h"
 #include "support/devices.h"
 #include "support/suite.h"
 

@@ -1,5 +1,5 @@
 // qc-replay as a user runs it.
-#include "recording/replay.h"
+#include "support/replay.h"
 #include "quickcullide/hash.h"
 #include "support/devices.h"
 #include "support/run_program.h"

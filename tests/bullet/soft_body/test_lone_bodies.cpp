@@ -3,9 +3,10 @@
 
 #include "quickcullide/scene.h"
 
+#include "bullet/soft_body/random_numbers.h"
+
 #include <array>
 #include <limits>
-#include <random>
 
 // After the standard headers: check defines a macro named fail.
 #include "support/suite.h"
@@ -13,26 +14,6 @@
 namespace
 {
 using Positions = std::vector<btVector3>;
-
-class Random
-{
-  public:
-    explicit Random(unsigned seed) : m_engine(seed)
-    {
-    }
-    btScalar Number(double lowest, double highest)
-    {
-        return btScalar(std::uniform_real_distribution<double>(lowest, highest)(m_engine));
-    }
-    btVector3 Vector(double size)
-    {
-        btScalar x = Number(-size, size), y = Number(-size, size), z = Number(-size, size);
-        return btVector3(x, y, z);
-    }
-
-  private:
-    std::minstd_rand m_engine;
-};
 
 struct Box
 {

@@ -1,9 +1,10 @@
 // Bodies that their distance alone keeps apart over a step, against certificates for each pair of triangles.
 #include "soft_body/response/clearance.h"
 
+#include "bullet/soft_body/random_numbers.h"
+
 #include <array>
 #include <limits>
-#include <random>
 
 // After the standard headers: check defines a macro named fail.
 #include "support/suite.h"
@@ -14,26 +15,6 @@ using Positions = std::vector<btVector3>;
 
 /// Three consecutive nodes a triangle: none shares one.
 constexpr size_t s_triangles = 5;
-
-class Random
-{
-  public:
-    explicit Random(unsigned seed) : m_engine(seed)
-    {
-    }
-    btScalar Number(double lowest, double highest)
-    {
-        return btScalar(std::uniform_real_distribution<double>(lowest, highest)(m_engine));
-    }
-    btVector3 Vector(double size)
-    {
-        btScalar x = Number(-size, size), y = Number(-size, size), z = Number(-size, size);
-        return btVector3(x, y, z);
-    }
-
-  private:
-    std::minstd_rand m_engine;
-};
 
 std::array<double, 9> CornersOf(const Positions& positions, size_t triangle)
 {

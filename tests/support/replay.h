@@ -1,6 +1,6 @@
 // Replays a recording, and compares the hashes of its results.
-#ifndef QC_TESTS_RECORDING_REPLAY_H
-#define QC_TESTS_RECORDING_REPLAY_H
+#ifndef QC_TESTS_SUPPORT_REPLAY_H
+#define QC_TESTS_SUPPORT_REPLAY_H
 
 #include "support/scenes.h"
 
