@@ -136,8 +136,8 @@ typedef struct ClusterPair
     uint32_t a, b;
 } ClusterPair;
 
-/// Adds the pairs of triangles that neither's plane separates. The clusters are those of one leaf node
-/// of each side: no two of a side share a cache entry.
+/// Adds the pairs of triangles that neither's plane separates. There is a pair of clusters at least. The clusters are
+/// those of one leaf node of each side: no two of a side share a cache entry.
 static qcSlotPair* AddUnseparatedPairs(const qcPlaneTest* test, const ClusterPair* clusters, uint32_t count,
                                        qcSlotPair* pairs)
 {
@@ -172,7 +172,7 @@ static qcSlotPair* AddUnseparatedPairs(const qcPlaneTest* test, const ClusterPai
 QC_INLINE qcSlotPair* AddClusterPairs(const qcPlaneTest* planes, const ClusterPair* clusters, uint32_t count,
                                       qcSlotPair* pairs)
 {
-    if (planes != NULL)
+    if (planes != NULL && count != 0)
         return AddUnseparatedPairs(planes, clusters, count, pairs);
     for (uint32_t i = 0; i < count; i++)
         pairs = AddPairs(clusters[i].pairs, clusters[i].a, clusters[i].b, pairs);

@@ -3,6 +3,7 @@
 
 #include "mesh/cluster_order.h"
 #include "mesh/linking.h"
+#include "base/parallel_for.h"
 #include "base/status.h"
 
 #include <string.h>
@@ -10,7 +11,13 @@
 enum
 {
     // Triangles whose indices are on their way from memory.
-    qc_prefetched = 16
+    qc_prefetched = 16,
+    // Parts that are numbered side by side; a part of so many slots takes 50 microseconds.
+    qc_maxParts = 8,
+    qc_minPart = 4096,
+    // Clusters whose vertices are listed in some microseconds.
+    qc_listedClusters = 512,
+    qc_minListed = 8
 };
 
 uint32_t qcClusters_FindLink(const qcClusters* clusters, uint32_t node, uint32_t other)
@@ -23,55 +30,169 @@ uint32_t qcClusters_FindLink(const qcClusters* clusters, uint32_t node, uint32_t
     return QC_NO_LINK;
 }
 
-qcStatus qcClusters_NumberVertices(const qcClusters* c, const uint32_t* indices, uint32_t vertexCount, qcArray* corners,
-                                   qcArray* vertexOf)
+//  ---- numbers of vertices -------------------------------------------------------------------------
+
+/// Slots that one thread numbers on its own, and the vertices that they use, in the order of first use.
+typedef struct Part
 {
-    qcArray numbers = {0};
-    vertexOf->count = 0;
-    QC_TRY(qcArray_Resize(corners, c->triangles.count, sizeof(qcCorners), "vertices of nodes"));
-    QC_TRY(qcArray_Reserve(vertexOf, (size_t)vertexCount + 1, sizeof(uint32_t), "vertices of nodes"));
-    QC_TRY(qcArray_Resize(&numbers, vertexCount, sizeof(uint32_t), "vertices of nodes"));
-    if (vertexCount != 0)
-        memset(numbers.data, 0xff, vertexCount * sizeof(uint32_t));
-    const uint32_t* triangles = c->triangles.data;
-    uint32_t *number = numbers.data, *used = vertexOf->data, count = 0;
-    for (size_t i = 0; i < c->triangles.count; i++)
+    size_t first, end;
+    uint32_t *numbers, *used; ///< by the body's vertex; by the part's number
+    uint32_t usedCount;
+} Part;
+
+typedef struct Numbering
+{
+    const uint32_t *triangles, *indices;
+    uint32_t vertexCount, usedCount;
+    qcCorners* corners;
+    Part parts[qc_maxParts];
+    size_t partCount;
+} Numbering;
+
+static void NumberPart(void* context, size_t i, uint32_t worker)
+{
+    (void)worker;
+    Numbering* n = context;
+    Part* part = &n->parts[i];
+    const uint32_t *triangles = n->triangles, *indices = n->indices;
+    uint32_t *number = part->numbers, *used = part->used, count = 0;
+    if (n->vertexCount != 0)
+        memset(number, 0xff, n->vertexCount * sizeof(uint32_t));
+    for (size_t slot = part->first; slot < part->end; slot++)
     {
-        size_t later = i + qc_prefetched < c->triangles.count ? i + qc_prefetched : i;
+        size_t later = slot + qc_prefetched < part->end ? slot + qc_prefetched : slot;
         __builtin_prefetch(indices + 3 * (size_t)(triangles[later] != QC_NO_TRIANGLE ? triangles[later] : 0));
-        const uint32_t* v = indices + 3 * (size_t)triangles[i];
-        for (int k = 0; k < 3 && triangles[i] != QC_NO_TRIANGLE; k++)
+        const uint32_t* v = indices + 3 * (size_t)triangles[slot];
+        for (int k = 0; k < 3 && triangles[slot] != QC_NO_TRIANGLE; k++)
         {
             // Without branches: a new vertex comes as if by chance.
             bool isNew = number[v[k]] == UINT32_MAX;
             used[count] = v[k];
             number[v[k]] = isNew ? count : number[v[k]];
             count += isNew;
-            QC_AT(qcCorners, *corners, i).vertex[k] = number[v[k]];
+            n->corners[slot].vertex[k] = number[v[k]];
         }
     }
-    vertexOf->count = count;
-    qcArray_Free(&numbers);
-    for (size_t i = 0; i < c->triangles.count; i++)
-        for (int k = 0; k < 3 && QC_AT(uint32_t, c->triangles, i) == QC_NO_TRIANGLE; k++)
-            QC_AT(qcCorners, *corners, i).vertex[k] = (uint32_t)vertexOf->count;
+    part->usedCount = count;
+}
+
+/// Appends the vertices of later parts to those of the first one, and turns the list of each later part into the final
+/// numbers: those that one pass over all slots would have given.
+static void JoinParts(Numbering* n)
+{
+    uint32_t *number = n->parts[0].numbers, *used = n->parts[0].used, count = n->parts[0].usedCount;
+    for (size_t p = 1; p < n->partCount; p++)
+        for (uint32_t i = 0; i < n->parts[p].usedCount; i++)
+        {
+            uint32_t v = n->parts[p].used[i];
+            bool isNew = number[v] == UINT32_MAX;
+            used[count] = v;
+            number[v] = isNew ? count : number[v];
+            count += isNew;
+            n->parts[p].used[i] = number[v];
+        }
+    n->usedCount = count;
+}
+
+/// Final numbers for the corners of a part.
+static void RenumberPart(void* context, size_t i, uint32_t worker)
+{
+    (void)worker;
+    const Numbering* n = context;
+    const Part* part = &n->parts[i];
+    for (size_t slot = part->first; slot < part->end; slot++)
+        for (int k = 0; k < 3; k++)
+        {
+            uint32_t* vertex = &n->corners[slot].vertex[k];
+            if (n->triangles[slot] == QC_NO_TRIANGLE)
+                *vertex = n->usedCount;
+            else if (i != 0)
+                *vertex = part->used[*vertex];
+        }
+}
+
+/// Equal parts, at least qc_minPart slots each.
+static void SplitSlots(Numbering* n, size_t slotCount, uint32_t threads)
+{
+    size_t most = threads < qc_maxParts ? threads : qc_maxParts, count = slotCount / qc_minPart;
+    n->partCount = count < 1 ? 1 : count < most ? count : most;
+    for (size_t i = 0; i < n->partCount; i++)
+    {
+        n->parts[i].first = i * slotCount / n->partCount;
+        n->parts[i].end = (i + 1) * slotCount / n->partCount;
+    }
+}
+
+/// Memory for all parts; the first one's list is the result.
+static qcStatus ReserveParts(Numbering* n, qcArray* vertexOf, qcArray* scratch)
+{
+    size_t size = (size_t)n->vertexCount + 1;
+    QC_TRY(qcArray_Reserve(vertexOf, size, sizeof(uint32_t), "vertices of nodes"));
+    QC_TRY(qcArray_Resize(scratch, (2 * n->partCount - 1) * size, sizeof(uint32_t), "vertices of nodes"));
+    for (size_t i = 0; i < n->partCount; i++)
+    {
+        n->parts[i].numbers = &QC_AT(uint32_t, *scratch, 2 * i * size);
+        n->parts[i].used = i == 0 ? vertexOf->data : &QC_AT(uint32_t, *scratch, (2 * i - 1) * size);
+    }
     return qc_statusOk;
 }
 
-qcStatus qcClusters_ListVertices(const qcClusters* c, const qcCorners* corners, uint32_t vertexCount, qcArray* vertices)
+qcStatus qcClusters_NumberVertices(const qcClusters* c, const uint32_t* indices, uint32_t vertexCount, uint32_t threads,
+                                   qcArray* corners, qcArray* vertexOf)
 {
-    QC_TRY(qcArray_Resize(vertices, c->triangles.count / qc_clusterSize, sizeof(qcClusterVertices),
-                          "vertices of clusters"));
-    qcClusterVertices* clusters = vertices->data;
-    for (size_t i = 0; i < c->triangles.count; i++)
+    qcArray scratch = {0};
+    vertexOf->count = 0;
+    QC_TRY(qcArray_Resize(corners, c->triangles.count, sizeof(qcCorners), "vertices of nodes"));
+    Numbering n = {
+        .triangles = c->triangles.data, .indices = indices, .vertexCount = vertexCount, .corners = corners->data};
+    SplitSlots(&n, c->triangles.count, threads);
+    qcStatus status = ReserveParts(&n, vertexOf, &scratch);
+    if (status == qc_statusOk)
+    {
+        qcParallel_For(threads, n.partCount, 2, NumberPart, &n);
+        JoinParts(&n);
+        qcParallel_For(threads, n.partCount, 2, RenumberPart, &n);
+        vertexOf->count = n.usedCount;
+    }
+    qcArray_Free(&scratch);
+    return status;
+}
+
+typedef struct Listing
+{
+    const qcCorners* corners;
+    uint32_t vertexCount;
+    size_t clusterCount;
+    qcClusterVertices* clusters;
+} Listing;
+
+static void ListBlock(void* context, size_t block, uint32_t worker)
+{
+    (void)worker;
+    const Listing* l = context;
+    size_t first = block * qc_listedClusters, left = l->clusterCount - first;
+    size_t end = first + (left < qc_listedClusters ? left : qc_listedClusters);
+    for (size_t i = first * qc_clusterSize; i < end * qc_clusterSize; i++)
         for (int k = 0; k < 3; k++)
         {
-            uint32_t vertex = corners[i].vertex[k];
-            clusters[i / qc_clusterSize].vertex[k][i % qc_clusterSize] =
-                vertex != vertexCount ? vertex : vertexCount + (uint32_t)i;
+            uint32_t vertex = l->corners[i].vertex[k];
+            l->clusters[i / qc_clusterSize].vertex[k][i % qc_clusterSize] =
+                vertex != l->vertexCount ? vertex : l->vertexCount + (uint32_t)i;
         }
+}
+
+qcStatus qcClusters_ListVertices(const qcClusters* c, const qcCorners* corners, uint32_t vertexCount, uint32_t threads,
+                                 qcArray* vertices)
+{
+    size_t clusterCount = c->triangles.count / qc_clusterSize;
+    QC_TRY(qcArray_Resize(vertices, clusterCount, sizeof(qcClusterVertices), "vertices of clusters"));
+    Listing listing = {corners, vertexCount, clusterCount, vertices->data};
+    size_t blocks = (clusterCount + qc_listedClusters - 1) / qc_listedClusters;
+    qcParallel_For(threads, blocks, qc_minListed, ListBlock, &listing);
     return qc_statusOk;
 }
+
+//  ---- arrangement and links -----------------------------------------------------------------------
 
 qcStatus qcClusters_Arrange(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount,
                             const double* positions, uint32_t vertexCount, uint32_t threads)
@@ -104,7 +225,7 @@ qcStatus qcClusters_Link(qcClusters* clusters, const uint32_t* indices, uint32_t
 {
     qcLinking linking = {.nextNode = 0};
     qcArray corners = {0}, vertexOf = {0};
-    qcStatus status = qcClusters_NumberVertices(clusters, indices, vertexCount, &corners, &vertexOf);
+    qcStatus status = qcClusters_NumberVertices(clusters, indices, vertexCount, 1, &corners, &vertexOf);
     if (status == qc_statusOk)
         status = Link(&linking, clusters, corners.data, (uint32_t)vertexOf.count);
     qcLinking_Free(&linking);

@@ -75,14 +75,14 @@ static inline const uint64_t* qcClusters_PairMask(const qcClusters* clusters, ui
 
 /// Renumbers the vertices that triangles use in the order in which slots use them, so that data of close vertices lies
 /// together. Fills `corners` (of qcCorners, by slot; the count of such vertices where there is no triangle) and
-/// `vertexOf` (uint32_t: the body's number of each).
+/// `vertexOf` (uint32_t: the body's number of each). The numbers don't depend on `threads`.
 qcStatus qcClusters_NumberVertices(const qcClusters* clusters, const uint32_t* indices, uint32_t vertexCount,
-                                   qcArray* corners, qcArray* vertexOf);
+                                   uint32_t threads, qcArray* corners, qcArray* vertexOf);
 
 /// Fills `vertices` (of qcClusterVertices, by cluster) from corners by slot; `vertexCount` stands in slots without a
 /// triangle.
 qcStatus qcClusters_ListVertices(const qcClusters* clusters, const qcCorners* corners, uint32_t vertexCount,
-                                 qcArray* vertices);
+                                 uint32_t threads, qcArray* vertices);
 
 /// Writes the pairs of neighbours between a node and the other of its link, each once, in no order; there is room for
 /// qc_nodeSize^2. Returns the new end.

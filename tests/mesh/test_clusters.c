@@ -385,6 +385,58 @@ START_TEST(two_large_fans_on_one_rim_have_few_pair_masks)
 }
 END_TEST
 
+//  ---- numbers of vertices -------------------------------------------------------------------------
+
+/// The numbers as documented: in the order in which slots use the vertices.
+static void CheckNumbers(const qcClusters* clusters, const qcSoup* soup, const qcCorners* corners,
+                         const qcArray* vertexOf)
+{
+    uint32_t* number = malloc(soup->vertexCount * sizeof(uint32_t));
+    ck_assert_ptr_nonnull(number);
+    memset(number, 0xff, soup->vertexCount * sizeof(uint32_t));
+    uint32_t count = 0;
+    for (size_t slot = 0; slot < clusters->triangles.count; slot++)
+        for (size_t k = 0; k < 3; k++)
+        {
+            size_t triangle = QC_AT(uint32_t, clusters->triangles, slot);
+            uint32_t expected = (uint32_t)vertexOf->count;
+            if (triangle != QC_NO_TRIANGLE)
+            {
+                uint32_t v = soup->indices[3 * triangle + k];
+                number[v] = number[v] == UINT32_MAX ? count++ : number[v];
+                expected = number[v];
+                ck_assert_uint_eq(QC_AT(uint32_t, *vertexOf, expected), v);
+            }
+            ck_assert_uint_eq(corners[slot].vertex[k], expected);
+        }
+    ck_assert_uint_eq(vertexOf->count, count);
+    free(number);
+}
+
+START_TEST(any_number_of_threads_numbers_vertices_in_the_order_of_first_use)
+{
+    // A surface, triangles that share vertices far apart, and hubs, whose nodes have empty slots.
+    qcSoup soups[] = {Shuffle(MakeGlobe(40, 500), 3), MakeTangle(4, 9000, 40001), MakeFans(30, 1100)};
+    for (size_t i = 0; i < LENGTH(soups); i++)
+    {
+        qcClusters clusters;
+        CHECK_OK(qcClusters_Arrange(&clusters, soups[i].indices, soups[i].triangleCount, soups[i].positions,
+                                    soups[i].vertexCount, 1));
+        for (uint32_t threads = 1; threads <= 16; threads += threads < 4 ? 1 : 6)
+        {
+            qcArray corners = {0}, vertexOf = {0};
+            CHECK_OK(qcClusters_NumberVertices(&clusters, soups[i].indices, soups[i].vertexCount, threads, &corners,
+                                               &vertexOf));
+            CheckNumbers(&clusters, &soups[i], corners.data, &vertexOf);
+            qcArray_Free(&corners);
+            qcArray_Free(&vertexOf);
+        }
+        qcClusters_Free(&clusters);
+        qcSoup_Free(&soups[i]);
+    }
+}
+END_TEST
+
 //  ---- out of memory -------------------------------------------------------------------------------
 
 START_TEST(a_failed_allocation_leaves_nothing)
@@ -422,4 +474,4 @@ QC_RUN_TESTS("clusters", meshes_have_each_triangle_once_and_all_pairs_in_masks,
              positions_of_any_size_have_each_triangle_once_and_all_pairs_in_masks, the_same_body_has_the_same_clusters,
              a_body_without_triangles_has_no_nodes, few_slots_of_meshes_and_soups_are_empty, a_mesh_has_few_links,
              the_nodes_of_a_large_fan_share_one_pair_mask, two_large_fans_on_one_rim_have_few_pair_masks,
-             a_failed_allocation_leaves_nothing)
+             any_number_of_threads_numbers_vertices_in_the_order_of_first_use, a_failed_allocation_leaves_nothing)

@@ -253,7 +253,7 @@ static inline void qcSide_SetAdjacency(qcSide* side, bool hasAdjacency)
     side->bvh.hasAdjacency = hasAdjacency;
     qcArray_Free(&side->bvh.vertices);
     if (!hasAdjacency)
-        CHECK_OK(qcClusters_ListVertices(&bvh->clusters, bvh->corners.data, bvh->vertexCount, &side->bvh.vertices));
+        CHECK_OK(qcClusters_ListVertices(&bvh->clusters, bvh->corners.data, bvh->vertexCount, 1, &side->bvh.vertices));
 }
 
 /// Finds the pairs with all kernels, on one thread and, with half the near distance, on three; without flat patches,

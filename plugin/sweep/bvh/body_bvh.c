@@ -120,7 +120,7 @@ qcStatus qcBodyBvh_PrepareSelf(qcBodyBvh* bodyBvh, uint32_t threads)
         return qc_statusOk;
     if (bvh->clusters.hasHub)
         return qcBodyBvh_BuildAdjacency(bodyBvh, threads);
-    return qcClusters_ListVertices(&bvh->clusters, bvh->corners.data, bvh->vertexCount, &bodyBvh->vertices);
+    return qcClusters_ListVertices(&bvh->clusters, bvh->corners.data, bvh->vertexCount, threads, &bodyBvh->vertices);
 }
 
 qcStatus qcBodyBvh_Build(qcBodyBvh* bodyBvh, const qcBody* body, uint32_t threads)

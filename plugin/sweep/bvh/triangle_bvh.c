@@ -50,7 +50,8 @@ static qcStatus Build(qcTriangleBvh* bvh, const qcBody* body, uint32_t threads)
 {
     QC_TRY(qcClusters_Arrange(&bvh->clusters, body->indices, body->triangleCount,
                               body->deforming ? body->world : body->local, body->vertexCount, threads));
-    QC_TRY(qcClusters_NumberVertices(&bvh->clusters, body->indices, body->vertexCount, &bvh->corners, &bvh->vertexOf));
+    QC_TRY(qcClusters_NumberVertices(&bvh->clusters, body->indices, body->vertexCount, threads, &bvh->corners,
+                                     &bvh->vertexOf));
     bvh->vertexCount = (uint32_t)bvh->vertexOf.count;
     LayLevels(bvh);
     QC_TRY(AllocateFit(bvh, &bvh->fit));
