@@ -1,6 +1,7 @@
 // Searches the triangles around one end of each edge.
 #include "mesh/adjacency.h"
 
+#include "base/parallel_for.h"
 #include "base/status.h"
 
 #include <stdbool.h>
@@ -9,7 +10,9 @@
 enum
 {
     // An edge both of whose vertices have more triangles is treated as a border.
-    qc_maxAround = 64
+    qc_maxAround = 64,
+    // Slots whose edges are searched in about 50 microseconds.
+    qc_acrossBlock = 1024
 };
 
 /// The only other triangle with the edge u v, if it has the edge in the opposite direction; otherwise QC_NO_SLOT.
@@ -52,33 +55,53 @@ qcStatus qcAdjacency_Begin(qcAdjacency* adjacency, const qcCorners* corners, siz
     return status;
 }
 
-void qcAdjacency_FindAcross(qcAdjacency* adjacency, const qcCorners* corners, uint32_t vertexCount, size_t first,
-                            size_t end)
+typedef struct Finding
 {
-    uint32_t* across = adjacency->across.data;
+    qcAdjacency* adjacency;
+    const qcCorners* corners;
+    uint32_t vertexCount;
+    size_t first, end; ///< slots
+} Finding;
+
+/// Writes to slots of the block alone: edges between blocks are searched from both sides.
+static void FindAcrossBlock(void* context, size_t block, uint32_t worker)
+{
+    (void)worker;
+    const Finding* f = context;
+    uint32_t* across = f->adjacency->across.data;
+    size_t first = f->first + block * qc_acrossBlock, left = f->end - first;
+    size_t end = first + (left < qc_acrossBlock ? left : qc_acrossBlock);
     for (size_t slot = first; slot < end; slot++)
     {
-        const uint32_t* v = corners[slot].vertex;
-        bool proper = v[0] != vertexCount && v[0] != v[1] && v[1] != v[2] && v[2] != v[0];
+        const uint32_t* v = f->corners[slot].vertex;
+        bool proper = v[0] != f->vertexCount && v[0] != v[1] && v[1] != v[2] && v[2] != v[0];
         for (int c = 0; c < 3 && proper; c++)
         {
             uint32_t u = v[c], w = v[(c + 1) % 3];
             if (across[3 * slot + c] != QC_NO_SLOT)
                 continue;
-            uint32_t other = FindAcross(adjacency, corners, (uint32_t)slot, u, w);
+            uint32_t other = FindAcross(f->adjacency, f->corners, (uint32_t)slot, u, w);
             across[3 * slot + c] = other;
             // Each is the only other triangle of the other one's edge.
-            for (int k = 0; k < 3 && other != QC_NO_SLOT; k++)
-                if (corners[other].vertex[k] == w)
+            for (int k = 0; k < 3 && other >= first && other < end; k++)
+                if (f->corners[other].vertex[k] == w)
                     across[3 * (size_t)other + k] = (uint32_t)slot;
         }
     }
 }
 
+void qcAdjacency_FindAcross(qcAdjacency* adjacency, const qcCorners* corners, uint32_t vertexCount, size_t first,
+                            size_t end, uint32_t threads)
+{
+    Finding finding = {adjacency, corners, vertexCount, first, end};
+    size_t blocks = (end - first + qc_acrossBlock - 1) / qc_acrossBlock;
+    qcParallel_For(threads, blocks, 2, FindAcrossBlock, &finding);
+}
+
 qcStatus qcAdjacency_Build(qcAdjacency* adjacency, const qcCorners* corners, size_t slotCount, uint32_t vertexCount)
 {
     QC_TRY(qcAdjacency_Begin(adjacency, corners, slotCount, vertexCount));
-    qcAdjacency_FindAcross(adjacency, corners, vertexCount, 0, slotCount);
+    qcAdjacency_FindAcross(adjacency, corners, vertexCount, 0, slotCount, 1);
     return qc_statusOk;
 }
 

@@ -19,9 +19,9 @@ typedef struct qcAdjacency
 /// Fills `around`; qcAdjacency_FindAcross does the rest. `corners` by slot; vertices are below vertexCount where there
 /// is a triangle, and vertexCount where there is none. O(triangles). On failure nothing is left.
 qcStatus qcAdjacency_Begin(qcAdjacency* adjacency, const qcCorners* corners, size_t slotCount, uint32_t vertexCount);
-/// Fills `across` of the slots first .. end - 1, by which all slots before them are filled. O(slots).
+/// Fills `across` of the slots first .. end - 1. O(slots).
 void qcAdjacency_FindAcross(qcAdjacency* adjacency, const qcCorners* corners, uint32_t vertexCount, size_t first,
-                            size_t end);
+                            size_t end, uint32_t threads);
 /// Both, of all slots.
 qcStatus qcAdjacency_Build(qcAdjacency* adjacency, const qcCorners* corners, size_t slotCount, uint32_t vertexCount);
 void qcAdjacency_Free(qcAdjacency* adjacency);

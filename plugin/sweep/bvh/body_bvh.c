@@ -65,7 +65,7 @@ static qcStatus RunStage(qcBodyBvh* bodyBvh, int64_t* work, uint32_t threads)
         case qc_adjacencyAcross:
             count = NodesFor(*work, qc_acrossWork, nodes - build->nextNode);
             qcAdjacency_FindAcross(&build->adjacency, corners, bvh->vertexCount, (size_t)build->nextNode * qc_nodeSize,
-                                   (size_t)(build->nextNode + count) * qc_nodeSize);
+                                   (size_t)(build->nextNode + count) * qc_nodeSize, threads);
             build->nextNode += count;
             *work -= qc_acrossWork * (int64_t)count;
             build->stage += build->nextNode == nodes;
