@@ -19,7 +19,7 @@ typedef struct qcBoxes qcBoxes;
 QC_API qcStatus qcBoxes_Create(qcBoxes** boxes);
 /// Frees the set. Null is allowed.
 QC_API void qcBoxes_Destroy(qcBoxes* boxes);
-/// Removes every box, keeps the memory for later boxes.
+/// Removes every box, keeps memory for later boxes. The order of later results is that of a new set.
 QC_API void qcBoxes_Clear(qcBoxes* boxes);
 
 /// Adds a closed box, lower <= upper in every axis. Infinite bounds are allowed; NaN is qc_statusBadInput.

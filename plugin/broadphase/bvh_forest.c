@@ -267,9 +267,21 @@ qcStatus qcForest_Reserve(qcForest* forest, size_t idCount)
     return qc_statusOk;
 }
 
+static void FreeTrees(qcForest* forest)
+{
+    for (uint32_t t = 0; t < qc_forestTrees; t++)
+    {
+        qcArray_Free(&forest->trees[t].octets);
+        qcArray_Free(&forest->trees[t].ids);
+    }
+    forest->allocatedTrees = 0;
+}
+
 void qcForest_Clear(qcForest* forest)
 {
     DropTrees(forest, UINT64_MAX);
+    // Which tree is built next depends on the memory that trees have, and the order of pairs on it.
+    FreeTrees(forest);
     forest->positions.count = 0;
     forest->listIds.count = 0;
     forest->boxCount = 0;
@@ -277,11 +289,7 @@ void qcForest_Clear(qcForest* forest)
 
 void qcForest_Free(qcForest* forest)
 {
-    for (uint32_t t = 0; t < qc_forestTrees; t++)
-    {
-        qcArray_Free(&forest->trees[t].octets);
-        qcArray_Free(&forest->trees[t].ids);
-    }
+    FreeTrees(forest);
     qcArray_Free(&forest->boxes);
     qcArray_Free(&forest->positions);
     qcArray_Free(&forest->listOctets);

@@ -58,7 +58,7 @@ typedef struct qcForest
 
 /// Makes room for ids below `idCount`; inserting and removing these cannot fail.
 qcStatus qcForest_Reserve(qcForest* forest, size_t idCount);
-/// Removes all boxes, keeps the memory.
+/// Removes all boxes and frees the trees, so that those built afterwards are the ones that a new forest would have.
 void qcForest_Clear(qcForest* forest);
 void qcForest_Free(qcForest* forest);
 

@@ -345,17 +345,22 @@ END_TEST
 START_TEST(the_same_calls_give_the_same_pairs_in_the_same_order)
 {
     std::vector<qcIdPair> first;
-    for (int run = 0; run < 3; run++)
+    for (int run = 0; run < 4; run++)
     {
-        // The last run is on a broadphase that was used and reset.
+        // The last runs are on a broadphase that was used, by few boxes or by many, and reset.
         auto model = std::make_unique<qcBroadphaseModel>();
-        if (run == 2)
+        if (run >= 2)
         {
-            for (int i = 0; i < 50; i++)
-                model->Create(btVector3(0, 0, 0), btVector3(1, btScalar(i), 1));
+            const int used = run == 2 ? 50 : 700;
+            for (int i = 0; i < used; i++)
+            {
+                model->Create(btVector3(btScalar(i), 0, 0), btVector3(btScalar(i + 1), btScalar(i), 1));
+                if (i % 100 == 49)
+                    model->Check();
+            }
             model->Check();
             model->broadphase.resetPool(&model->dispatcher);
-            ck_assert_int_eq(model->proxies[model->Create(btVector3(), btVector3())].proxy->m_uniqueId, 51);
+            ck_assert_int_eq(model->proxies[model->Create(btVector3(), btVector3())].proxy->m_uniqueId, used + 1);
             while (!model->proxies.empty())
                 model->Destroy(model->proxies.size() - 1);
             model->broadphase.resetPool(&model->dispatcher);
