@@ -8,8 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-__extension__ typedef unsigned __int128 Wide;
-
 /// value = mantissa * 2^exponent, mantissa an integer.
 static uint64_t Split(double value, int* exponent)
 {
@@ -88,20 +86,14 @@ static void AddMagnitude(const qcInteger* a, const qcInteger* b, qcInteger* sum)
 {
     const qcInteger* large = a->count >= b->count ? a : b;
     const qcInteger* small = a->count >= b->count ? b : a;
-    Wide carry = 0;
+    uint64_t carry = 0;
     int n = large->count;
     for (int i = 0; i < n; i++)
-    {
-        carry += large->word[i];
-        if (i < small->count)
-            carry += small->word[i];
-        sum->word[i] = (uint64_t)carry;
-        carry >>= 64;
-    }
+        sum->word[i] = qcWide_MultiplyAdd(1, large->word[i], i < small->count ? small->word[i] : 0, carry, &carry);
     if (carry != 0)
     {
         assert(n < qc_integerWords);
-        sum->word[n++] = (uint64_t)carry;
+        sum->word[n++] = carry;
     }
     sum->count = n;
 }
@@ -154,12 +146,11 @@ void qcInteger_Subtract(const qcInteger* a, const qcInteger* b, qcInteger* diffe
 void qcInteger_MultiplyWide(int64_t a, qcWide b, qcInteger* product)
 {
     uint64_t x = a < 0 ? 0 - (uint64_t)a : (uint64_t)a;
-    Wide y = b < 0 ? 0 - (Wide)b : (Wide)b;
-    Wide low = (Wide)x * (uint64_t)y, high = (Wide)x * (uint64_t)(y >> 64) + (low >> 64);
-    product->negative = (a < 0) != (b < 0);
-    product->word[0] = (uint64_t)low;
-    product->word[1] = (uint64_t)high;
-    product->word[2] = (uint64_t)(high >> 64);
+    uint64_t y[2];
+    bool bNegative = qcWide_Split(b, y);
+    product->negative = (a < 0) != bNegative;
+    product->word[0] = qcWide_MultiplyAdd(x, y[0], 0, 0, &product->word[1]);
+    product->word[1] = qcWide_MultiplyAdd(x, y[1], product->word[1], 0, &product->word[2]);
     product->count = 3;
     while (product->count > 0 && product->word[product->count - 1] == 0)
         product->count--;
@@ -176,15 +167,14 @@ void qcInteger_Multiply(const qcInteger* a, const qcInteger* b, qcInteger* produ
     memset(product->word, 0, (size_t)(n < qc_integerWords ? n : qc_integerWords) * sizeof product->word[0]);
     for (int i = 0; i < a->count; i++)
     {
-        Wide carry = 0;
+        uint64_t carry = 0;
         for (int j = 0; j < b->count; j++)
         {
-            carry += (Wide)a->word[i] * b->word[j] + product->word[i + j];
-            product->word[i + j] = (uint64_t)carry;
-            carry >>= 64;
+            uint64_t* word = &product->word[i + j];
+            *word = qcWide_MultiplyAdd(a->word[i], b->word[j], *word, carry, &carry);
         }
         if (carry != 0)
-            product->word[i + b->count] = (uint64_t)carry;
+            product->word[i + b->count] = carry;
         else
             assert(i + b->count >= qc_integerWords || product->word[i + b->count] == 0);
     }

@@ -2,6 +2,8 @@
 #ifndef QC_TRIANGLE_BIG_INTEGER_H
 #define QC_TRIANGLE_BIG_INTEGER_H
 
+#include "triangle/wide_integer.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -9,8 +11,6 @@ enum
 {
     qc_integerWords = 197
 };
-
-__extension__ typedef __int128 qcWide;
 
 /// Sign and magnitude; words beyond `count` are not set.
 typedef struct qcInteger

@@ -46,7 +46,7 @@ static void ShortDeterminant3(const int64_t x[12], qcInteger* determinant)
     {
         int u = (axis + 1) % 3, v = (axis + 2) % 3;
         qcInteger term;
-        qcInteger_MultiplyWide(row[0][axis], (qcWide)row[1][u] * row[2][v] - (qcWide)row[1][v] * row[2][u], &term);
+        qcInteger_MultiplyWide(row[0][axis], qcWide_Minor(row[1][u], row[2][v], row[1][v], row[2][u]), &term);
         qcInteger_Add(determinant, &term, determinant);
     }
 }
@@ -97,8 +97,9 @@ int qcExactSign2(double ax, double ay, double bx, double by, double cx, double c
     int64_t s[6];
     if (qcInteger_AreShort(values, 6, common, s))
     {
-        qcWide left = (qcWide)(s[2] - s[0]) * (s[5] - s[1]), right = (qcWide)(s[3] - s[1]) * (s[4] - s[0]);
-        return (left > right) - (left < right);
+        uint64_t word[2];
+        bool negative = qcWide_Split(qcWide_Minor(s[2] - s[0], s[5] - s[1], s[3] - s[1], s[4] - s[0]), word);
+        return (word[0] | word[1]) == 0 ? 0 : negative ? -1 : 1;
     }
     qcInteger x[6];
     for (int i = 0; i < 6; i++)
