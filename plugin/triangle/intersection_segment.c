@@ -59,29 +59,45 @@ static qcScaled Height2d(const double* a, const double* b, const double* c, int 
     return qcOrient3dValue(p[0], p[1], p[2], p[3]);
 }
 
-static double ScaledDistance(const Point* a, const Point* b, int exponent)
+/// The difference of two coordinates, over 2^exponent.
+static double Difference(const Point* a, const Point* b, int axis, int exponent)
 {
-    double difference[3];
+    return ldexp(a->x[axis], -exponent) - ldexp(b->x[axis], -exponent);
+}
+
+/// Squared, over 2^(exponent + spread): basic operations alone, which break ties alike on every machine. hypot doesn't.
+static double ScaledDistance2(const Point* a, const Point* b, int exponent, int spread)
+{
+    double sum = 0.0;
     for (int axis = 0; axis < 3; axis++)
-        difference[axis] = ldexp(a->x[axis], -exponent) - ldexp(b->x[axis], -exponent);
-    return hypot(hypot(difference[0], difference[1]), difference[2]);
+    {
+        double difference = ldexp(Difference(a, b, axis, exponent), -spread);
+        sum += difference * difference;
+    }
+    return sum;
 }
 
 /// The two points farthest from each other.
 static void Farthest(const Points* points, qcSegment* segment)
 {
-    double size = 0.0;
+    double size = 0.0, largestDifference = 0.0;
     for (int i = 0; i < points->count; i++)
         for (int axis = 0; axis < 3; axis++)
             size = fmax(size, fabs(points->point[i].x[axis]));
-    int exponent;
+    int exponent, spread;
     frexp(size, &exponent);
+    for (int i = 0; i < points->count; i++)
+        for (int axis = 0; axis < 3; axis++)
+            largestDifference =
+                fmax(largestDifference, fabs(Difference(&points->point[i], &points->point[0], axis, exponent)));
+    // The square of the largest distance neither overflows nor underflows.
+    frexp(largestDifference, &spread);
     int first = 0, second = 0;
     double largest = -1.0;
     for (int i = 0; i < points->count; i++)
         for (int j = i; j < points->count; j++)
         {
-            double distance = ScaledDistance(&points->point[i], &points->point[j], exponent);
+            double distance = ScaledDistance2(&points->point[i], &points->point[j], exponent, spread);
             if (distance > largest)
             {
                 largest = distance;
