@@ -97,6 +97,7 @@ tests/bullet/fracture       tests/support tests/bullet plugin/recording
 tests/bullet/preload
 tests/bullet/recording       tests/support tests/bullet/broadphase tests/bullet/mesh
 tests/tools                 tests/support demos/...
+tests/models                demos/common/mesh_io
 tests/house/golden
 tests/house                 tests/support
 tests/house/installed
