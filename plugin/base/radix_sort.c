@@ -107,7 +107,7 @@ static inline qcStatus Sort(uint64_t* items, size_t count, size_t words, qcArray
 
 qcStatus qcSort_Items(qcSortItem* items, size_t count, qcArray* scratch)
 {
-    return Sort(&items->key, count, 2, scratch);
+    return Sort((uint64_t*)items, count, 2, scratch);
 }
 
 qcStatus qcSort_Keys(uint64_t* keys, size_t count, qcArray* scratch)
