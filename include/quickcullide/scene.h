@@ -44,7 +44,8 @@ QC_API void qcScene_Destroy(qcScene* scene);
 
 //  ---- geometry in ---------------------------------------------------------------------------------
 
-/// Names a body during its life. The id of a removed body is refused, even if its slot was reused. {0, 0} is no body.
+/// Names a body during its life. The id of a removed body is refused, even if its slot was reused: each slot has 2^31
+/// ids, and stays empty once they are used up. {0, 0} is no body.
 typedef struct qcBodyId
 {
     uint32_t slot;       ///< a small number from 0, reused after a removal; results name bodies by it

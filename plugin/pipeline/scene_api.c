@@ -96,6 +96,10 @@ qcStatus qcScene_RemoveBody(qcScene* scene, qcBodyId id)
     qcVertexBuffers_Release(body);
     qcBodies_Remove(&scene->bodies, id);
     RECORD(scene, RemoveBody, id.slot);
+    // In a replay, where no slot is used up, an empty body keeps others out.
+    const qcBodyDef empty = qcDefaultBodyDef();
+    if (!qcBody_IsFree(body))
+        RECORD(scene, AddBody, id.slot, &empty);
     return status;
 }
 

@@ -55,7 +55,7 @@ void qcSnapshot_Write(qcSceneRecorder* recorder, const qcBodies* bodies)
             Add(recorder, &slots[i], i);
         }
     for (uint32_t i = 0; i < count; i++)
-        if (!qcBody_IsUsed(&slots[i]))
+        if (qcBody_IsFree(&slots[i]))
             qcSceneRecorder_RemoveBody(recorder, i);
         else if (slots[i].start.differs)
             Move(recorder, &slots[i], i);

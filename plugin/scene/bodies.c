@@ -248,7 +248,7 @@ static qcStatus MakeBody(const qcBodyDef* def, const qcVertexInput* source, uint
 qcStatus qcBodies_Add(qcBodies* bodies, const qcBodyDef* def, qcBodyId* id)
 {
     uint32_t slot = bodies->lowestFree;
-    while (slot < bodies->slots.count && qcBody_IsUsed(&QC_AT(qcBody, bodies->slots, slot)))
+    while (slot < bodies->slots.count && !qcBody_IsFree(&QC_AT(qcBody, bodies->slots, slot)))
         slot++;
     QC_TRY(CheckDef(def, slot));
     const qcVertexInput source = {def->positions, def->positionType, def->positionStride, def->vertexCount};

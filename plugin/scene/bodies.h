@@ -24,7 +24,9 @@ typedef struct qcBodyStart
 
 typedef struct qcBody
 {
-    uint32_t generation; ///< odd while the slot is taken, so that ids of removed bodies never match
+    /// Odd while the slot is taken, so that ids of removed bodies never match. 0: all 2^31 ids of the slot have been
+    /// used, and it stays empty.
+    uint32_t generation;
     bool deforming;
     bool hasFloats; ///< of deforming bodies: the caller gave the present positions as floats
     bool selfCollision;
@@ -53,7 +55,7 @@ typedef struct qcBodies
 {
     qcArray slots; ///< of qcBody
     uint32_t count;
-    uint32_t lowestFree; ///< all slots below are in use
+    uint32_t lowestFree; ///< no slot below is free
     uint64_t revision;   ///< grows with each change
     uint64_t added;      ///< the revision in which a body was last added or removed
     uint32_t threads;    ///< that read new vertices: those of the last step, 1 if it was small; 0 before the first
@@ -76,6 +78,12 @@ void qcBodies_Free(qcBodies* bodies);
 static inline bool qcBody_IsUsed(const qcBody* body)
 {
     return (body->generation & 1) != 0;
+}
+
+/// The slot may take a new body.
+static inline bool qcBody_IsFree(const qcBody* body)
+{
+    return (body->generation & 1) == 0 && body->generation != 0;
 }
 
 /// Whether triangles of the body are tested with each other.
