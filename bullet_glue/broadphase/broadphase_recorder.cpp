@@ -57,6 +57,7 @@ qcStatus qcBroadphaseRecorder::Start(const char* path, const qcProxySet& proxies
 {
     qcStatus status = qcBoxRecorder_Close(m_recorder);
     m_recorder = nullptr;
+    m_proxies.clear();
     if (path == nullptr)
         return status;
     status = qcBoxRecorder_Open(path, sizeof(btScalar), &m_recorder);
@@ -69,6 +70,7 @@ void qcBroadphaseRecorder::Stop()
 {
     qcBoxRecorder_Close(m_recorder);
     m_recorder = nullptr;
+    m_proxies.clear();
 }
 
 //  ---- changes ---------------------------------------------------------------------------------------
@@ -78,13 +80,11 @@ void qcBroadphaseRecorder::AddWithFilter(const qcProxy* proxy, uint64_t filter)
     double bounds[6];
     Store(proxy->m_aabbMin, bounds);
     Store(proxy->m_aabbMax, bounds + 3);
-    size_t id = IdOf(proxy);
-    if (m_filters.size() <= id && !Try([&] { m_filters.resize(id + 1, 0); }))
+    if (!Try([&] { m_proxies[IdOf(proxy)] = {filter, m_search}; }))
     {
         Stop();
         return;
     }
-    m_filters[id] = filter;
     qcBoxRecorder_Add(m_recorder, IdOf(proxy), bounds, uint32_t(filter), uint32_t(filter >> 32));
 }
 
@@ -95,15 +95,16 @@ void qcBroadphaseRecorder::Add(const qcProxy* proxy)
 
 void qcBroadphaseRecorder::Remove(const qcProxy* proxy)
 {
+    m_proxies.erase(IdOf(proxy));
     qcBoxRecorder_Remove(m_recorder, IdOf(proxy));
 }
 
 void qcBroadphaseRecorder::CompareFilter(const qcProxy* proxy, uint64_t filter)
 {
-    uint64_t& recorded = m_filters[IdOf(proxy)];
-    if (recorded == filter)
+    auto recorded = m_proxies.find(IdOf(proxy));
+    if (recorded == m_proxies.end() || recorded->second.filter == filter)
         return;
-    recorded = filter;
+    recorded->second.filter = filter;
     qcBoxRecorder_SetFilter(m_recorder, IdOf(proxy), uint32_t(filter), uint32_t(filter >> 32));
 }
 
@@ -131,7 +132,7 @@ void qcBroadphaseRecorder::Reset()
 void qcBroadphaseRecorder::BeginPairs()
 {
     qcBoxRecorder_Begin(m_recorder);
-    m_newestId = uint32_t(m_filters.size());
+    m_search++;
 }
 
 void qcBroadphaseRecorder::BeginQuery()
@@ -145,7 +146,8 @@ void qcBroadphaseRecorder::FindChangedFilters(const qcProxySet& proxies)
     for (int i = 0; i < proxies.GetCount(); i++)
     {
         const qcProxy* proxy = proxies.At(i);
-        if (IdOf(proxy) < m_newestId)
+        auto recorded = m_proxies.find(IdOf(proxy));
+        if (recorded != m_proxies.end() && recorded->second.search < m_search)
             CompareFilter(proxy, proxies.FilterAt(i));
     }
 }

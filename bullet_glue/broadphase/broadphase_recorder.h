@@ -6,6 +6,7 @@
 
 #include "quickcullide/recording.h"
 
+#include <unordered_map>
 #include <vector>
 
 /// Without memory the recording ends, and the broadphase goes on.
@@ -55,9 +56,15 @@ class qcBroadphaseRecorder
     void FindChangedFilters(const qcProxySet& proxies);
     void Stop();
 
+    struct Recorded
+    {
+        uint64_t filter;
+        uint64_t search; ///< the last one that had begun when the proxy was added
+    };
+
     qcBoxRecorder* m_recorder = nullptr;
-    std::vector<uint64_t> m_filters; ///< as recorded, by unique id
-    uint32_t m_newestId = 0;         ///< when the search began
+    std::unordered_map<uint32_t, Recorded> m_proxies; ///< by unique id
+    uint64_t m_search = 0;                            ///< number of the search that runs, or ran last
 };
 
 /// The cast that a call of rayTest describes, before it runs.
