@@ -78,9 +78,32 @@ bool qcProxySet::Grow()
     return true;
 }
 
+/// An id that no proxy has: Bullet's pair caches compare proxies by their ids. 0: there is no memory.
+int qcProxySet::TakeUniqueId()
+{
+    auto visitIds = [this](auto add)
+    {
+        for (int i = 0; i < m_count; i++)
+            add(uint32_t(m_entries[i].proxy->m_uniqueId));
+        // Those that are not listed yet.
+        for (const qcProxy* proxy = m_pending; proxy != nullptr; proxy = proxy->state().nextPending)
+            if (proxy->state().index < 0)
+                add(uint32_t(proxy->m_uniqueId));
+    };
+    try
+    {
+        return int(m_uniqueIds.Take(visitIds));
+    }
+    catch (const std::bad_alloc&)
+    {
+        return 0;
+    }
+}
+
 qcProxy* qcProxySet::Create(const btVector3& aabbMin, const btVector3& aabbMax, void* userPtr, int group, int mask)
 {
-    if (m_freeSlots == nullptr && !Grow())
+    const int id = m_freeSlots != nullptr || Grow() ? TakeUniqueId() : 0;
+    if (id == 0)
     {
         m_status = qc_statusOutOfMemory;
         return nullptr;
@@ -89,7 +112,7 @@ qcProxy* qcProxySet::Create(const btVector3& aabbMin, const btVector3& aabbMax, 
     m_freeSlots = slot->nextFree;
     qcProxy* proxy = new (slot) qcProxy(aabbMin, aabbMax, userPtr, group, mask);
     new (&proxy->state()) qcProxyState;
-    proxy->m_uniqueId = ++m_lastUniqueId;
+    proxy->m_uniqueId = id;
     return proxy;
 }
 
@@ -114,7 +137,7 @@ void qcProxySet::Free(qcProxy* proxy)
 void qcProxySet::Reset()
 {
     qcBoxes_Clear(m_boxes);
-    m_lastUniqueId = 0;
+    m_uniqueIds.Reset();
 }
 
 //  ---- boxes -----------------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 #define QC_GLUE_BROADPHASE_PROXY_SET_H
 
 #include "broadphase/proxy.h"
+#include "common/id_counter.h"
 
 /// A proxy's box in the set has NaN bounds opened to infinity and inverted ones put in order. It then overlaps every
 /// box that TestAabbAgainstAabb2 lets the proxy overlap: a comparison with NaN is never true there, and an inverted box
@@ -116,6 +117,7 @@ class qcProxySet
     void CompareFilterRange(int first, int end);
     void CompareFiltersFrom(int first, int end);
     bool Grow();
+    int TakeUniqueId();
     void AddBox(qcProxy* proxy);
     void SetInvalid(qcProxy* proxy, bool invalid);
 
@@ -130,7 +132,7 @@ class qcProxySet
     int m_nextCompared = 0;  ///< the entry whose turn it is in the next search
     int m_outsideCount = 0;
     int m_invalidCount = 0; ///< proxies whose bounds are NaN or inverted
-    int m_lastUniqueId = 0;
+    qcIdCounter m_uniqueIds{INT32_MAX};
     qcProxy* m_pending = nullptr;
     long long m_interval = 1; ///< number of the current interval between two searches
     bool m_changed = false, m_requeried = false;

@@ -5,7 +5,7 @@
 
 namespace
 {
-constexpr unsigned s_keptSteps = 64;
+constexpr uint64_t s_keptSteps = 64;
 
 /// The number of triangles if that is quickly known, else 1: they have to be counted.
 size_t CountOf(const btCollisionShape* shape)

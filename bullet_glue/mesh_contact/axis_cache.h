@@ -30,20 +30,20 @@ class qcAxisCache
     {
         std::unique_ptr<qcSupportMesh> mesh; ///< null: it is not small
         uint64_t revision = 0;
-        unsigned step = 0; ///< the last one that used it
+        uint64_t step = 0; ///< the last one that used it
     };
 
     struct Axis
     {
         btVector3 axis;
-        unsigned step; ///< the last one that used it
+        uint64_t step; ///< the last one that used it
     };
 
     Axis& AxisOf(const btCollisionObject* a, const btCollisionObject* b);
 
     std::unordered_map<const btCollisionShape*, Mesh> m_meshes;
     qcHashTable<uint64_t, Axis> m_axes; ///< by the unique ids of two objects
-    unsigned m_step = 0;
+    uint64_t m_step = 0;
 };
 
 #endif

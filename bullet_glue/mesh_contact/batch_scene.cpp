@@ -157,7 +157,7 @@ bool qcBatchScene::Refresh(const btCollisionObject* object, qcBatchObject* gathe
 {
     if (IsUnchanged(object, *gathered))
         return false;
-    gathered->version++;
+    gathered->version = ++m_lastVersion;
     for (qcBatchMesh& mesh : m_present)
     {
         mesh.revision = qcMeshRevision(mesh.shape);
@@ -194,7 +194,13 @@ qcBatchObject* qcBatchScene::FindOrAdd(const btCollisionObject* object)
     qcBatchObject& gathered = m_objects[qcObjectKey(object)];
     if (gathered.owner == 0)
     {
-        gathered.owner = ++m_ownerCount;
+        // Those of objects that have just left count as in use, since what is known of their pairs is kept for a while.
+        gathered.owner = m_owners.Take(
+            [this](auto add)
+            {
+                for (const auto& entry : m_objects)
+                    add(entry.second.owner);
+            });
         gathered.present = m_gathering;
         Refresh(object, &gathered);
     }

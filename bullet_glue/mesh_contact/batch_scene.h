@@ -2,6 +2,7 @@
 #ifndef QC_GLUE_MESH_CONTACT_BATCH_SCENE_H
 #define QC_GLUE_MESH_CONTACT_BATCH_SCENE_H
 
+#include "common/id_counter.h"
 #include "common/object_key.h"
 #include "common/shape_triangles.h"
 #include "mesh_contact/rigid_motion.h"
@@ -43,9 +44,9 @@ struct qcObjectState
 struct qcBatchObject
 {
     uint32_t owner = 0;    ///< of its meshes: children of a compound aren't tested with each other
-    unsigned gathered = 0; ///< number of the last gathering that updated the object
-    unsigned present = 0;  ///< number of the last gathering that found the object in the world, or added it
-    unsigned version = 0;  ///< changes with its meshes and their places in the object
+    uint64_t gathered = 0; ///< number of the last gathering that updated the object
+    uint64_t present = 0;  ///< number of the last gathering that found the object in the world, or added it
+    uint64_t version = 0;  ///< of its meshes and their places in the object; no two objects have the same
     bool isOurs = false;   ///< the library computes contact of one of its meshes with any other mesh
     bool inScene = false;  ///< its meshes are in the scene: from its first pair that the library computes
     qcActivity activity = qc_activityMoving;
@@ -60,7 +61,7 @@ struct qcBatchObject
     btScalar pairDistance = 0;       ///< half of the largest contact distance of its pairs
     btScalar maxClosing = 0;         ///< upper bound of its motion in a step relative to the mean motion
     qcObjectState state;             ///< at the last check
-    unsigned checked = 0;            ///< number of the last check of the object (qcBatchValidity)
+    uint64_t checked = 0;            ///< number of the last check of the object (qcBatchValidity)
     bool isChanged = false;          ///< result of that check: nothing that is known of its pairs holds
     std::vector<qcBatchMesh> meshes;
 
@@ -177,8 +178,9 @@ class qcBatchScene
     qcScene* m_scene = nullptr;
     std::unordered_map<qcObjectKey, qcBatchObject, qcObjectKeyHash> m_objects;
     mutable std::vector<qcBatchMesh> m_present; ///< scratch
-    unsigned m_gathering = 0;                   ///< number of the last gathering
-    uint32_t m_ownerCount = 0;
+    uint64_t m_gathering = 0;                   ///< number of the last gathering
+    qcIdCounter m_owners;
+    uint64_t m_lastVersion = 0;
     int m_bodyCount = 0;
     qcStatus m_status = qc_statusOk;
     btScalar m_margin = 0, m_spacing = 0;

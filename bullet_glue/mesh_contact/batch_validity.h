@@ -23,7 +23,7 @@ class qcBatchValidity
     /// True if the object is in the state in which the last check found it.
     bool IsAsChecked(const btCollisionObject* object) const;
     /// Number of the last check; 0: none.
-    unsigned GetNumber() const
+    uint64_t GetNumber() const
     {
         return m_number;
     }
@@ -38,7 +38,7 @@ class qcBatchValidity
     qcBatchScene& m_scene;
     qcPairContacts& m_pairs;
     std::vector<qcBatchPair> m_due;
-    unsigned m_number = 0;
+    uint64_t m_number = 0;
 };
 
 #endif

@@ -65,7 +65,7 @@ class qcMeshMeshAlgorithm : public qcPointsAlgorithm
     btScalar MarginOf(const btCollisionShape* shape) const override;
 
   private:
-    unsigned m_check = 0; ///< number of the batch's check at this pair's last call
+    uint64_t m_check = 0; ///< number of the batch's check at this pair's last call
 };
 
 /// A qcMeshShape and a btStaticPlaneShape, in either order. Contact points are the mesh's vertices.

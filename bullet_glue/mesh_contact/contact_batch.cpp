@@ -303,7 +303,7 @@ bool qcMeshBatch::ReadPair(const qcPlacedMesh& a, const qcPlacedMesh& b, std::ve
     return true;
 }
 
-void qcMeshBatch::FindPoints(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar timeStep, unsigned* check,
+void qcMeshBatch::FindPoints(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar timeStep, uint64_t* check,
                              std::vector<qcMeshPoint>* points)
 {
     {

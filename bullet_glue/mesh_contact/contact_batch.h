@@ -36,7 +36,7 @@ class qcMeshBatch : public qcRigidLimits, public qcKnownGaps
     /// Appends the contact points of a pair, up to the contact distance and within the motion of the step: from the
     /// last batch that had the pair if it still holds, else from a new one, for all pairs of the world of which nothing
     /// holds. Pairs that are not in the batch are queried alone. `check`: state of the pair's algorithm, 0 at first.
-    void FindPoints(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar timeStep, unsigned* check,
+    void FindPoints(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar timeStep, uint64_t* check,
                     std::vector<qcMeshPoint>* points);
     /// Appends the contact points of a pair whose triangles are at most `distance` apart, from a query for it alone.
     void QueryPair(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar distance, std::vector<qcMeshPoint>* points);

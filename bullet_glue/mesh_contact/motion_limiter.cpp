@@ -87,7 +87,7 @@ qcStatus qcMotionLimiter::AddMeshes(qcSweptObject* swept)
         const qcMeshTriangles& all = *mesh.triangles;
         qcBodyDef def = qcMeshBodyDef(all.points, all.pointCount, all.indices, all.count, swept->start * mesh.local,
                                       qc_activityMoving);
-        def.owner = swept->number + 1;
+        def.owner = swept->number;
         qcStatus status = qcScene_AddBody(m_scene, &def, &mesh.id);
         if (status != qc_statusOk)
             return status;

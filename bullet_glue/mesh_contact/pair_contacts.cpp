@@ -6,7 +6,7 @@
 namespace
 {
 // Pairs whose boxes have been apart for this many checks are forgotten.
-constexpr unsigned s_keptChecks = 64;
+constexpr uint64_t s_keptChecks = 64;
 
 btScalar SizeOf(const btTransform& transform)
 {
@@ -60,7 +60,7 @@ qcPairContact* qcPairContacts::Find(uint32_t a, uint32_t b)
     return index != nullptr ? &m_pairs[*index].contact : nullptr;
 }
 
-void qcPairContacts::Count(unsigned check, int* regions, int* points) const
+void qcPairContacts::Count(uint64_t check, int* regions, int* points) const
 {
     *regions = *points = 0;
     for (const Pair& pair : m_pairs)
@@ -71,7 +71,7 @@ void qcPairContacts::Count(unsigned check, int* regions, int* points) const
         }
 }
 
-void qcPairContacts::RemoveOld(unsigned check)
+void qcPairContacts::RemoveOld(uint64_t check)
 {
     if (check - m_removed < s_keptChecks)
         return;

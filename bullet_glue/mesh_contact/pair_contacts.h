@@ -25,8 +25,8 @@ struct qcPairContact
 {
     bool isKnown = false;                       ///< it has been queried
     bool isDue = false;                         ///< the present check requires a query
-    unsigned checked = 0;                       ///< number of the last check that found the pair in the world
-    unsigned versionA = 0, versionB = 0;        ///< of the objects at the query; see qcBatchObject
+    uint64_t checked = 0;                       ///< number of the last check that found the pair in the world
+    uint64_t versionA = 0, versionB = 0;        ///< of the objects at the query; see qcBatchObject
     btTransform a = btTransform::getIdentity(); ///< of the objects at the query
     btTransform b = btTransform::getIdentity();
     btScalar reach = 0;               ///< contact distance up to which the query has all points
@@ -54,9 +54,9 @@ class qcPairContacts
     const qcPairContact* Find(uint32_t a, uint32_t b) const;
     qcPairContact* Find(uint32_t a, uint32_t b);
     /// Sums the regions and points of the pairs that a check has found.
-    void Count(unsigned check, int* regions, int* points) const;
+    void Count(uint64_t check, int* regions, int* points) const;
     /// Forgets pairs that no check has found lately. `check`: number of the present one.
-    void RemoveOld(unsigned check);
+    void RemoveOld(uint64_t check);
     /// True if the meshes of a known pair have no common point at any time of a step in which their vertices move along
     /// straight lines. A and B as in qcPairContact.
     static bool StayApart(const qcPairContact& pair, const qcObjectMotion& a, const qcObjectMotion& b);
@@ -75,7 +75,7 @@ class qcPairContacts
 
     std::vector<Pair> m_pairs;                 ///< in the order in which they were added
     qcHashTable<uint64_t, uint32_t> m_indices; ///< of pairs, by key
-    unsigned m_removed = 0;                    ///< number of the check of the last removal
+    uint64_t m_removed = 0;                    ///< number of the check of the last removal
 };
 
 #endif

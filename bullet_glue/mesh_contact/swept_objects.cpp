@@ -82,7 +82,12 @@ qcSweptObject* qcSweptObjects::Add(btCollisionObject* object)
     {
         entry.reset(new qcSweptObject);
         entry->object = object;
-        entry->number = m_count++;
+        entry->number = m_numbers.Take(
+            [this](auto add)
+            {
+                for (const qcSweptObject* swept : m_sorted)
+                    add(swept->number);
+            });
         entry->start = entry->next = object->getWorldTransform();
         m_sorted.push_back(entry.get());
     }

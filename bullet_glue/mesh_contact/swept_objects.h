@@ -23,9 +23,9 @@ struct qcSweptObject
 {
     btCollisionObject* object = nullptr;
     btRigidBody* body = nullptr;         ///< null: the application alone moves the object, and its motion is not cut
-    uint32_t number = 0;                 ///< in the order in which objects entered the world
+    uint32_t number = 0;                 ///< in the order in which objects entered the world; see qcIdCounter
     uint32_t index = 0;                  ///< in the present list of objects
-    unsigned step = 0;                   ///< the last update that found the object in the world
+    uint64_t step = 0;                   ///< the last update that found the object in the world
     bool hasMesh = false;                ///< one of its shapes consists of triangles; planes do not
     bool isOurs = false;                 ///< contact of one of its meshes with any other mesh is computed here
     const qcSupportMesh* hull = nullptr; ///< its mesh, if it consists of one small mesh
@@ -92,8 +92,8 @@ class qcSweptObjects
     std::unordered_map<qcObjectKey, std::unique_ptr<qcSweptObject>, qcObjectKeyHash> m_objects;
     std::vector<qcSweptObject*> m_sorted;
     std::vector<qcSweptObject*> m_byLower; ///< along the first axis
-    uint32_t m_count = 0;
-    unsigned m_step = 0;
+    qcIdCounter m_numbers;
+    uint64_t m_step = 0;
     bool m_isMarked = false; ///< the starts of the present step
 };
 

@@ -96,7 +96,7 @@ tests/bullet/soft_body      tests/support tests/bullet tests/bullet/mesh bullet_
 tests/bullet/fracture       tests/support tests/bullet plugin/recording
 tests/bullet/preload
 tests/bullet/recording       tests/support tests/bullet/broadphase tests/bullet/mesh
-tests/long                  tests/support plugin/base plugin/scene plugin/broadphase plugin/pipeline
+tests/long                  tests/support tests/bullet/broadphase tests/bullet/mesh plugin/base plugin/scene plugin/broadphase plugin/pipeline bullet_glue/common
 tests/tools                 tests/support demos/...
 tests/models                demos/common/mesh_io
 tests/house/golden

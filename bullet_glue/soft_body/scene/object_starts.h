@@ -41,7 +41,7 @@ class qcObjectStarts
         btTransform begin = start; ///< of the step as the application has left it, for bodies that Bullet moves
         btTransform end = start;   ///< of the step; before Read that of the previous one
         btVector3 motion{0, 0, 0}; ///< of the origin in the step
-        unsigned step = 0;         ///< the last one that has read the object
+        uint64_t step = 0;         ///< the last one that has read the object
     };
 
     struct Moved
@@ -55,7 +55,7 @@ class qcObjectStarts
     std::unordered_map<qcObjectKey, State, qcObjectKeyHash> m_states;
     std::vector<Moved> m_moved;
     size_t m_count = 0; ///< objects read in this step
-    unsigned m_step = 0;
+    uint64_t m_step = 0;
 };
 
 #endif

@@ -46,12 +46,12 @@ class qcSurfaceCache
     {
         uint64_t revision;
         std::shared_ptr<const qcShapeSurface> surface;
-        unsigned lastStep; ///< in which an object had it
+        uint64_t lastStep; ///< in which an object had it
     };
 
     std::map<std::tuple<const void*, const void*>, Entry> m_entries; ///< by shape and, in part, object
     std::map<const btCollisionShape*, uint64_t> m_changes;           ///< calls of Forget
-    unsigned m_step = 0;
+    uint64_t m_step = 0;
 };
 
 #endif
