@@ -5,10 +5,13 @@
 #     QC_TEST_DEVICES=egl,surfaceless tests/run.sh
 # on a machine with a GPU. Under sanitizers, in a build folder of their own (presets/README.md):
 #     tests/run.sh --sanitize address|thread|memory [CTEST_ARGUMENT...]
+# The long form of tests/long, and the fuzzers, for a minute each; both print what they have done. It takes half an hour:
+#     tests/run.sh --long [CTEST_ARGUMENT...]
 set -eu
 
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 preset=
+long=
 case ${1-} in
     -h | --help)
         sed -n '2,/^set/s/^# \{0,1\}//p' "$0"
@@ -24,11 +27,22 @@ case ${1-} in
                 ;;
         esac
         ;;
-    --sa*)
-        echo "tests/run.sh: there is no option '$1'; try --help" >&2
-        exit 2
+    --long)
+        long=yes
+        shift
         ;;
 esac
+# ctest passes over options that it does not have.
+for argument in "$@"; do
+    case $argument in
+        --*)
+            if ! ctest --help | grep -qE -- "(^|[ ,])${argument%%=*}([ ,=]|\$)"; then
+                echo "tests/run.sh: there is no option '$argument'; try --help" >&2
+                exit 2
+            fi
+            ;;
+    esac
+done
 # shellcheck source=/dev/null
 . "$root/tests/setup.sh"
 
@@ -43,6 +57,13 @@ if [ -n "$preset" ]; then
     qc_build "$root" all -C "$root/tests/presets/$preset.cmake" -DQC_BUILD_TESTS=ON
 else
     qc_build "$root" all -DQC_BUILD_TESTS=ON -DQC_BUILD_DEMOS=ON -DQC_BUILD_BULLET=ON
+fi
+if [ -n "$long" ]; then
+    failed=0
+    QC_TEST_LONG=yes CK_TIMEOUT_MULTIPLIER=20 ctest --test-dir "$root/build" --verbose --timeout 6000 \
+        --label-regex long --parallel "$(nproc)" "$@" || failed=$?
+    [ ! -f "$root/tests/fuzz/run.sh" ] || sh "$root/tests/fuzz/run.sh" || failed=$?
+    exit "$failed"
 fi
 QC_TEST_DEVICES=${QC_TEST_DEVICES-$(qc_gl_devices)}
 export QC_TEST_DEVICES

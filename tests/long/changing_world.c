@@ -74,7 +74,7 @@ static void AddTo(qcScene* scene, const qcWorldBody* body, const double* positio
 static void Add(qcWorld* world, qcWorldBody* body)
 {
     *body = (qcWorldBody){.isUsed = true, .soup = MakeSoup(world)};
-    qcSoup_Translate(&body->soup, Uniform(world, -0.5, 0.5), Uniform(world, -0.5, 0.5), Uniform(world, -0.5, 0.5));
+    qcSoup_Translate(&body->soup, Uniform(world, -1.0, 1.0), Uniform(world, -1.0, 1.0), Uniform(world, -1.0, 1.0));
     body->def = qcBodyDefOf(&body->soup);
     body->def.positionType = OneIn(world, 3) ? qc_positionF32 : qc_positionF64;
     RoundAll(body);
@@ -120,7 +120,7 @@ static void Bend(qcWorld* world, qcWorldBody* body)
             double* x = &body->soup.positions[3 * vertex + axis];
             *x += Uniform(world, -most, most);
             // Kept near the others, however long the world lives.
-            if (!(*x > -1.0 && *x < 2.0))
+            if (!(*x > -1.5 && *x < 2.5))
                 *x = Uniform(world, 0.0, 1.0);
         }
     }
