@@ -4,6 +4,7 @@
 #include "base/definition.h"
 #include "base/status.h"
 #include "gl/buffers/vertex_snapshot.h"
+#include "scene/float_positions.h"
 
 #include <string.h>
 
@@ -69,6 +70,7 @@ bool qcVertexBuffers_SufficeFor(const qcStep* step)
 qcStatus qcVertexBuffers_Complete(const qcBody* body, uint32_t slot, uint64_t* bytes)
 {
     qcVertexSnapshot* snapshot = body->snapshot;
+    qcFloatPositions_Leave(body);
     if (!qcVertexSnapshot_IsOnlyCopy(snapshot))
         return qc_statusOk;
     QC_TRY(qcVertexSnapshot_CheckAlive(snapshot, slot));
@@ -100,6 +102,51 @@ qcStatus qcVertexBuffers_CompleteOthers(const qcStepTriangles* triangles, const 
             QC_TRY(qcVertexBuffers_Complete(qcStepTriangles_Body(triangles, body),
                                             qcStepTriangles_Slot(triangles, body), bytes));
     return qc_statusOk;
+}
+
+//  ---- floats ------------------------------------------------------------------------------------------------------
+
+qcStatus qcVertexBuffers_KeepFloats(qcBodies* bodies, const qcStepTriangles* triangles, const uint8_t* onDevice)
+{
+    for (uint32_t body = 0; body < triangles->bodyCount; body++)
+        if (onDevice[body])
+            QC_TRY(qcFloatPositions_Keep(&QC_AT(qcBody, bodies->slots, qcStepTriangles_Slot(triangles, body))));
+    return qc_statusOk;
+}
+
+static void ConvertPair(const qcStepTriangles* triangles, uint64_t key)
+{
+    const uint32_t pair[2] = {(uint32_t)(key >> 32), (uint32_t)key};
+    for (int side = 0; side < 2; side++)
+    {
+        uint32_t body = qcStepTriangles_BodyOf(triangles, pair[side]);
+        qcFloatPositions_ConvertTriangle(qcStepTriangles_Body(triangles, body),
+                                         pair[side] - qcStepTriangles_First(triangles, body));
+    }
+}
+
+/// Converts the positions of triangles in candidate pairs, or all where that is less work.
+static void ConvertFloats(const qcStepTriangles* triangles, const qcCandidates* candidates, bool needsClassified)
+{
+    size_t inFloats = 0, pairs = candidates->keys.count + (needsClassified ? candidates->classified.count : 0);
+    for (uint32_t body = 0; body < triangles->bodyCount; body++)
+        inFloats += qcBody_IsInFloats(qcStepTriangles_Body(triangles, body))
+                        ? qcStepTriangles_Body(triangles, body)->vertexCount
+                        : 0;
+    if (inFloats == 0)
+        return;
+    // A vertex of a pair takes about as long as this many in a row (cloth of 92 K).
+    const size_t inRow = 8;
+    if (6 * inRow * pairs >= inFloats)
+    {
+        for (uint32_t body = 0; body < triangles->bodyCount; body++)
+            qcFloatPositions_Convert(qcStepTriangles_Body(triangles, body));
+        return;
+    }
+    for (size_t i = 0; i < candidates->keys.count; i++)
+        ConvertPair(triangles, QC_AT(uint64_t, candidates->keys, i));
+    for (size_t i = 0; needsClassified && i < candidates->classified.count; i++)
+        ConvertPair(triangles, qcRelatedPair_Key(QC_AT(uint64_t, candidates->classified, i)));
 }
 
 //  ---- triangles of candidates -------------------------------------------------------------------------------------
@@ -180,13 +227,13 @@ qcStatus qcVertexBuffers_Gather(const qcStep* step, const qcStepTriangles* trian
                                 qcVertexBuffers* b, qcProfile* profile)
 {
     const Listing listing = {triangles, b};
-    bool any;
+    bool any, listsClassified = step->def->segments || step->def->proximities;
     b->items.count = 0;
+    ConvertFloats(triangles, candidates, listsClassified);
     QC_TRY(BeginLists(triangles, &any));
     for (size_t i = 0; any && i < candidates->keys.count; i++)
         QC_TRY(ListPair(&listing, QC_AT(uint64_t, candidates->keys, i)));
-    bool needsClassified = any && (step->def->segments || step->def->proximities);
-    for (size_t i = 0; needsClassified && i < candidates->classified.count; i++)
+    for (size_t i = 0; any && listsClassified && i < candidates->classified.count; i++)
         QC_TRY(ListPair(&listing, qcRelatedPair_Key(QC_AT(uint64_t, candidates->classified, i))));
     if (b->items.count == 0)
         return qc_statusOk;

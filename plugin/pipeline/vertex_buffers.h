@@ -1,4 +1,5 @@
-// Bodies whose positions are on the device (qcScene_SetVertexBuffer): they are read back as far as a step needs them.
+// Bodies whose positions are on the device (qcScene_SetVertexBuffer) or kept as floats: they are read back, or become
+// doubles, as far as a step needs them.
 #ifndef QC_PIPELINE_VERTEX_BUFFERS_H
 #define QC_PIPELINE_VERTEX_BUFFERS_H
 
@@ -26,14 +27,18 @@ void qcVertexBuffers_Release(qcBody* body);
 /// Whether the step can do with the positions of candidates, as far as `layers` finds them.
 bool qcVertexBuffers_SufficeFor(const qcStep* step);
 
-/// Reads all positions of a body back, unless the CPU has them. `bytes` grows by those read.
+/// Brings qcBody::world up to date; reads positions back if the CPU doesn't have them. `bytes` grows by those read.
 qcStatus qcVertexBuffers_Complete(const qcBody* body, uint32_t slot, uint64_t* bytes);
 /// Those of all bodies of a scene.
 qcStatus qcVertexBuffers_CompleteAll(const qcBodies* bodies, uint64_t* bytes);
 /// Those of a step's bodies whose triangle pairs don't come from the device. `onDevice`: flags, by body of the step.
 qcStatus qcVertexBuffers_CompleteOthers(const qcStepTriangles* triangles, const uint8_t* onDevice, uint64_t* bytes);
 
-/// Reads back the positions of triangles in candidate pairs.
+/// After a step in which these suffice: the next floats of the device's bodies become doubles only where a step needs
+/// them. `onDevice`: flags, by body of the step.
+qcStatus qcVertexBuffers_KeepFloats(qcBodies* bodies, const qcStepTriangles* triangles, const uint8_t* onDevice);
+
+/// Brings qcBody::world up to date for triangles in candidate pairs.
 qcStatus qcVertexBuffers_Gather(const qcStep* step, const qcStepTriangles* triangles, const qcCandidates* candidates,
                                 qcVertexBuffers* buffers, qcProfile* profile);
 void qcVertexBuffers_Free(qcVertexBuffers* buffers);

@@ -4,6 +4,7 @@
 #include "base/aabb.h"
 #include "base/parallel_for.h"
 #include "base/status.h"
+#include "scene/float_positions.h"
 #include "scene/vertex_input.h"
 
 #include <float.h>
@@ -53,9 +54,16 @@ static void EmptyBox(double lower[3], double upper[3])
     }
 }
 
+/// Positions of all vertices of a body: one of them, the other is null.
+typedef struct Positions
+{
+    const double* doubles;
+    const float* floats;
+} Positions;
+
 /// Extends a box by triangles at these positions, from vertex `first` on. Vertices without a triangle are left out:
 /// they would enlarge the box and the image. They are few: between them lie runs of the others.
-static void IncludeVertices(const qcBody* body, const double* positions, size_t first, size_t count, double lower[3],
+static void IncludeVertices(const qcBody* body, Positions positions, size_t first, size_t count, double lower[3],
                             double upper[3])
 {
     const uint8_t* used = body->used;
@@ -68,7 +76,10 @@ static void IncludeVertices(const qcBody* body, const double* positions, size_t 
         }
         const uint8_t* unused = used != NULL ? memchr(used + v, 0, end - v) : NULL;
         size_t runEnd = unused != NULL ? (size_t)(unused - used) : end;
-        qcBounds_Include(positions + 3 * v, runEnd - v, lower, upper);
+        if (positions.floats != NULL)
+            qcBounds_IncludeFloats(positions.floats + 3 * v, runEnd - v, lower, upper);
+        else
+            qcBounds_Include(positions.doubles + 3 * v, runEnd - v, lower, upper);
         v = runEnd;
     }
 }
@@ -168,6 +179,7 @@ static qcStatus FindUsed(qcBody* body)
 
 static void FreeBody(qcBody* body)
 {
+    qcFloatPositions_Free(body);
     qcFree(body->local, 3 * sizeof(double) * body->vertexCount);
     qcFree(body->world, 3 * sizeof(double) * body->vertexCount);
     qcFree(body->start.world, 3 * sizeof(double) * body->vertexCount);
@@ -235,7 +247,7 @@ static qcStatus MakeBody(const qcBodyDef* def, const qcVertexInput* source, uint
     if (status == qc_statusOk)
     {
         EmptyBox(body->localLower, body->localUpper);
-        IncludeVertices(body, positions, 0, body->vertexCount, body->localLower, body->localUpper);
+        IncludeVertices(body, (Positions){positions, NULL}, 0, body->vertexCount, body->localLower, body->localUpper);
         EmptyBox(body->vertexLower, body->vertexUpper);
         qcBounds_Include(positions, body->vertexCount, body->vertexLower, body->vertexUpper);
         status = Place(body, slot, &body->transform);
@@ -314,6 +326,7 @@ typedef struct Reading
 {
     const qcBody* body;
     const qcVertexInput* source;
+    float* floats; ///< null: positions become doubles
     WorkerBox boxes[qc_maxWorkers];
 } Reading;
 
@@ -321,19 +334,25 @@ static void ReadBlock(void* context, size_t block, uint32_t worker)
 {
     Reading* reading = context;
     const qcVertexInput part = qcVertexInput_Block(reading->source, block);
-    double* world = reading->body->world;
     size_t first = block * qc_inputBlock;
     WorkerBox* box = &reading->boxes[worker];
-    qcVertexInput_Read(&part, world + 3 * first);
-    IncludeVertices(reading->body, world, first, part.count, box->lower, box->upper);
+    if (reading->floats != NULL)
+        qcVertexInput_ReadFloats(&part, reading->floats + 3 * first);
+    else
+        qcVertexInput_Read(&part, reading->body->world + 3 * first);
+    IncludeVertices(reading->body, (Positions){reading->body->world, reading->floats}, first, part.count, box->lower,
+                    box->upper);
 }
 
-/// Reads checked positions into body->world, and finds the body's box.
+/// Reads checked positions into body->world, or as floats where these are kept, and finds the body's box.
 static void ReadVertices(qcBody* body, const qcVertexInput* source, uint32_t threads)
 {
     Reading reading;
     reading.body = body;
     reading.source = source;
+    reading.floats = body->hasFloats && body->floats != NULL && body->floats->kept ? body->floats->at : NULL;
+    if (body->floats != NULL)
+        body->floats->newest = reading.floats != NULL;
     for (uint32_t i = 0; i < threads; i++)
         EmptyBox(reading.boxes[i].lower, reading.boxes[i].upper);
     qcParallel_For(threads, qcVertexInput_BlockCount(source), qc_minInputBlocks, ReadBlock, &reading);
@@ -377,6 +396,8 @@ void qcBodies_MoveOnDevice(qcBodies* bodies, uint32_t slot, const float lower[3]
         body->upper[axis] = (double)upper[axis];
     }
     body->hasFloats = true;
+    if (body->floats != NULL)
+        body->floats->newest = false;
     body->moved = ++bodies->revision;
 }
 

@@ -36,6 +36,8 @@ typedef struct qcBody
     uint32_t vertexCount, triangleCount;
     double* local; ///< three a vertex, of rigid bodies; null for deforming ones
     double* world; ///< three a vertex, of deforming bodies; null for rigid ones: see qcBody_GetVertex
+    /// Positions of deforming bodies that may be newer than `world`: see scene/float_positions.h. Null: none.
+    struct qcFloatPositions* floats;
     uint32_t* indices;
     qcOwnedFeatures* owned;                ///< one a triangle; null until the first step with contacts
     uint8_t* used;                         ///< by vertex: 1 if a triangle has it, else 0; null: all vertices have one

@@ -179,3 +179,13 @@ void qcVertexInput_Read(const qcVertexInput* p, double* out)
         for (size_t v = 0; v < p->count; v++)
             memcpy(out + 3 * v, at + stride * v, 3 * sizeof(double));
 }
+
+void qcVertexInput_ReadFloats(const qcVertexInput* p, float* out)
+{
+    const size_t stride = StrideOf(p), size = SizeOf(p->type);
+    if (stride == size && p->count != 0)
+        memcpy(out, p->data, size * p->count);
+    else
+        for (size_t v = 0; v < p->count; v++)
+            memcpy(out + 3 * v, (const char*)p->data + stride * v, 3 * sizeof(float));
+}

@@ -34,5 +34,7 @@ qcVertexInput qcVertexInput_Block(const qcVertexInput* positions, size_t block);
 
 /// Copies checked positions, three doubles each.
 void qcVertexInput_Read(const qcVertexInput* positions, double* out);
+/// Copies checked positions of qc_positionF32, three floats each.
+void qcVertexInput_ReadFloats(const qcVertexInput* positions, float* out);
 
 #endif

@@ -6,6 +6,7 @@
 #include "base/status.h"
 #include "cull/layers/grid_resolution.h"
 #include "gl/buffers/vertex_snapshot.h"
+#include "scene/float_positions.h"
 
 #include <math.h>
 #include <string.h>
@@ -461,11 +462,15 @@ typedef struct Writing
     qcPoint* vertices; ///< in the frame
 } Writing;
 
-static void WriteInWorld(const double* world, size_t count, float* floats)
+static void WriteInWorld(const Writing* w, uint32_t first, uint32_t end)
 {
-    // Exact: the caller gave floats.
-    for (size_t i = 0; i < count; i++)
-        floats[i] = (float)world[i];
+    const size_t at = 3 * (size_t)first, count = 3 * (size_t)(end - first);
+    if (qcBody_IsInFloats(w->body))
+        memcpy(w->floats + at, w->body->floats->at + at, count * sizeof(float));
+    else
+        // Exact: the caller gave floats.
+        for (size_t i = at; i < at + count; i++)
+            w->floats[i] = (float)w->body->world[i];
 }
 
 static void WriteInFrame(const Writing* w, uint32_t first, uint32_t end)
@@ -478,7 +483,7 @@ static void WriteInFrame(const Writing* w, uint32_t first, uint32_t end)
     for (uint32_t v = first; v < end; v++)
     {
         double world[3], x[3];
-        qcBody_GetVertex(body, v, world);
+        qcBody_GetNewestVertex(body, v, world);
         qcGridFrame_Map(&frame, world, x);
         if (floats == NULL)
             vertices[v] = (qcPoint){{(float)x[0], (float)x[1], (float)x[2], 0.0f}};
@@ -495,7 +500,7 @@ static void WriteBlock(void* context, size_t block, uint32_t worker)
     uint32_t first = (uint32_t)block * qc_vertexBlock, count = w->body->vertexCount;
     uint32_t end = count - first < qc_vertexBlock ? count : first + qc_vertexBlock;
     if (w->floats != NULL && w->inWorld)
-        WriteInWorld(w->body->world + 3 * (size_t)first, 3 * (size_t)(end - first), w->floats + 3 * (size_t)first);
+        WriteInWorld(w, first, end);
     else
         WriteInFrame(w, first, end);
 }

@@ -2,13 +2,12 @@
 #include "cull/layers/grid_resolution.h"
 
 #include "gl/buffers/vertex_snapshot.h"
+#include "scene/float_positions.h"
 
 #include <float.h>
 
 enum
 {
-    /// Sampled leaf nodes; of each the first corner of every triangle: 10 microseconds in all.
-    qc_sampleNodes = 32,
     qc_levels = 1 << 15,
     qc_maxLog2 = 12, ///< of one axis
     qc_cellsOfNodeLog2 = 4,
@@ -37,7 +36,7 @@ static void FindExtent(const qcBody* body, const uint32_t* inNode, double extent
         double p[3];
         if (inNode[k] == QC_NO_TRIANGLE)
             continue;
-        qcBody_GetVertex(body, body->indices[3 * (size_t)inNode[k]], p);
+        qcBody_GetNewestVertex(body, body->indices[3 * (size_t)inNode[k]], p);
         for (int axis = 0; axis < 3; axis++)
         {
             lower[axis] = p[axis] < lower[axis] ? p[axis] : lower[axis];
@@ -48,9 +47,9 @@ static void FindExtent(const qcBody* body, const uint32_t* inNode, double extent
         extent[axis] = upper[axis] - lower[axis];
 }
 
-/// Adds a node's extent along each axis of the frame, in levels.
-static void AddExtent(const qcGpuResidency* residency, const qcStepTriangles* triangles, const qcGridFrame* frame,
-                      const uint32_t* bodyOf, uint32_t node, double sum[3])
+/// A node's extent along each axis of the frame, in levels.
+static void FindLevels(const qcGpuResidency* residency, const qcStepTriangles* triangles, const qcGridFrame* frame,
+                       const uint32_t* bodyOf, uint32_t node, double levels[3])
 {
     uint32_t slot = QC_AT(uint32_t, residency->nodeSlot, node);
     const qcBodyResidency* resident = &QC_AT(qcBodyResidency, residency->bodies, slot);
@@ -62,7 +61,7 @@ static void AddExtent(const qcGpuResidency* residency, const qcStepTriangles* tr
                    &QC_AT(uint32_t, resident->clusters.triangles, (size_t)(node - resident->firstNode) * qc_nodeSize),
                    extent);
     for (int i = 0; i < 3; i++)
-        sum[i] += extent[frame->axes[i]] * frame->unit * frame->scale[i] + 2.0 * frame->slack[i];
+        levels[i] = extent[frame->axes[i]] * frame->unit * frame->scale[i] + 2.0 * frame->slack[i];
 }
 
 double qcGridResolution_FindNodeExtent(const qcBody* body, const qcClusters* clusters)
@@ -87,14 +86,37 @@ static int FinestAxis(const uint32_t cellsLog2[3], bool onlyDepth)
     return finest;
 }
 
+/// Samples all nodes in a new scene or frame, otherwise the next few.
+static void Sample(const qcGpuResidency* residency, const qcStepTriangles* triangles, const qcGridFrame* frame,
+                   const uint32_t* bodyOf, qcGridSamples* samples)
+{
+    size_t nodes = residency->activeNodes.count, sampled = nodes < qc_sampleNodes ? nodes : qc_sampleNodes;
+    bool same = samples->frame == frame->number && samples->nodes == nodes && samples->numbered == triangles->numbered;
+    uint32_t count = (uint32_t)sampled;
+    if (same && count > qc_samplesOfStep)
+        count = qc_samplesOfStep;
+    samples->frame = frame->number;
+    samples->nodes = nodes;
+    samples->numbered = triangles->numbered;
+    for (uint32_t i = 0; i < count; i++)
+    {
+        size_t at = (samples->next + i) % sampled;
+        FindLevels(residency, triangles, frame, bodyOf, QC_AT(uint32_t, residency->activeNodes, at * nodes / sampled),
+                   samples->levels[at]);
+    }
+    samples->next = sampled != 0 ? (uint32_t)((samples->next + count) % sampled) : 0;
+}
+
 void qcGridResolution_Choose(const qcGpuResidency* residency, const qcStepTriangles* triangles,
-                             const qcGridFrame* frame, const uint32_t* bodyOf, uint32_t columns, uint32_t cellsLog2[3])
+                             const qcGridFrame* frame, const uint32_t* bodyOf, uint32_t columns, qcGridSamples* samples,
+                             uint32_t cellsLog2[3])
 {
     size_t nodes = residency->activeNodes.count, sampled = nodes < qc_sampleNodes ? nodes : qc_sampleNodes;
     double extent[3] = {0.0, 0.0, 0.0};
+    Sample(residency, triangles, frame, bodyOf, samples);
     for (size_t i = 0; i < sampled; i++)
-        AddExtent(residency, triangles, frame, bodyOf, QC_AT(uint32_t, residency->activeNodes, i * nodes / sampled),
-                  extent);
+        for (int axis = 0; axis < 3; axis++)
+            extent[axis] += samples->levels[i][axis];
     for (int i = 0; i < 3; i++)
     {
         double cell = sampled != 0 ? s_nodesInCell * extent[i] / (double)sampled : qc_levels;

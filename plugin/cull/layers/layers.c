@@ -3,7 +3,6 @@
 
 #include "base/clock.h"
 #include "base/status.h"
-#include "cull/layers/grid_resolution.h"
 #include "gl/device.h"
 
 #include <float.h>
@@ -271,7 +270,7 @@ static qcStatus TryDevice(Step* step, const qcPairKeys* keys, qcProfile* profile
     qcLayersStep device = {.testNeighbours = job->testNeighbours, .timed = job->timed};
     qcGpuResidency_FillStep(&cull->residency, &cull->frame, &device);
     qcGridResolution_Choose(&cull->residency, job->triangles, &cull->frame, cull->bodyOf.data, job->columns,
-                            device.cellsLog2);
+                            &cull->gridSamples, device.cellsLog2);
     qcLayersMemory memory;
     QC_TRY(qcLayers_Open(cull->layers, &device, &memory));
     qcGpuResidency_WriteVertices(&residencyJob, &cull->residency, &memory);

@@ -4,6 +4,7 @@
 
 #include "cull/layers/cpu_refine.h"
 #include "cull/layers/gpu_residency.h"
+#include "cull/layers/grid_resolution.h"
 #include "quickcullide/scene.h"
 
 /// Consecutive failures of the device: it is tried again after more and more steps, or at once if the scene is half or
@@ -22,6 +23,7 @@ typedef struct qcCullLayers
     qcLayers* layers; ///< created at first use
     qcCullLayersFailures failures;
     qcGridFrame frame;
+    qcGridSamples gridSamples;
     qcGpuResidency residency;
     qcCpuRefine refine;
     qcArray takesPart, hasSelfPairs; ///< uint8_t, by body of the step

@@ -1,0 +1,56 @@
+// Each conversion is exact.
+#include "scene/float_positions.h"
+
+#include "base/status.h"
+
+static size_t ByteCount(const qcBody* body)
+{
+    return sizeof(struct qcFloatPositions) + 3 * sizeof(float) * body->vertexCount;
+}
+
+qcStatus qcFloatPositions_Keep(qcBody* body)
+{
+    if (!body->deforming || !body->hasFloats)
+        return qc_statusOk;
+    if (body->floats == NULL)
+        body->floats = qcAllocateZeroed(ByteCount(body));
+    if (body->floats == NULL)
+        return qcFailMemory(ByteCount(body), "positions as floats");
+    body->floats->kept = true;
+    return qc_statusOk;
+}
+
+void qcFloatPositions_Convert(const qcBody* body)
+{
+    if (!qcBody_IsInFloats(body))
+        return;
+    for (size_t i = 0; i < 3 * (size_t)body->vertexCount; i++)
+        body->world[i] = (double)body->floats->at[i];
+    body->floats->newest = false;
+}
+
+void qcFloatPositions_Leave(const qcBody* body)
+{
+    if (body->floats == NULL)
+        return;
+    qcFloatPositions_Convert(body);
+    body->floats->kept = false;
+}
+
+void qcFloatPositions_ConvertTriangle(const qcBody* body, uint32_t triangle)
+{
+    if (!qcBody_IsInFloats(body))
+        return;
+    for (int c = 0; c < 3; c++)
+    {
+        uint32_t vertex = body->indices[3 * (size_t)triangle + (size_t)c];
+        qcBody_GetNewestVertex(body, vertex, body->world + 3 * (size_t)vertex);
+    }
+}
+
+void qcFloatPositions_Free(qcBody* body)
+{
+    if (body->floats != NULL)
+        qcFree(body->floats, ByteCount(body));
+    body->floats = NULL;
+}

@@ -1,0 +1,152 @@
+// Positions given as floats, kept as floats between steps of a device: no request reads older ones.
+#include "support/devices.h"
+#include "support/scenes.h"
+#include "support/suite.h"
+
+#include <math.h>
+
+enum
+{
+    qc_steps = 60,
+    qc_bodies = 2
+};
+
+/// Two cloths in two scenes: floats on a device, and the same positions in double without one.
+typedef struct Worlds
+{
+    qcScene *floats, *doubles;
+    qcBodyId ids[2][qc_bodies];
+    qcSoup soups[qc_bodies];
+    qcRandom random;
+} Worlds;
+
+static Worlds MakeWorlds(qcDevice* device, uint64_t seed, double noise)
+{
+    Worlds w = {.floats = qcMakeScene(device), .doubles = qcMakeScene(NULL), .random = {seed}};
+    for (int i = 0; i < qc_bodies; i++)
+    {
+        w.soups[i] = qcSoup_MakeFoldedCloth(seed + (uint64_t)i, 24, 0.02, noise);
+        qcSoup_Translate(&w.soups[i], 0.0, 0.1 * i, 0.03 * i);
+        qcSoup_RoundToFloat(&w.soups[i]);
+        qcBodyDef def = qcBodyDefOf(&w.soups[i]);
+        def.deforming = true;
+        CHECK_OK(qcScene_AddBody(w.floats, &def, &w.ids[0][i]));
+        CHECK_OK(qcScene_AddBody(w.doubles, &def, &w.ids[1][i]));
+    }
+    return w;
+}
+
+static void EndWorlds(Worlds* w)
+{
+    qcScene_Destroy(w->floats);
+    qcScene_Destroy(w->doubles);
+    for (int i = 0; i < qc_bodies; i++)
+        qcSoup_Free(&w->soups[i]);
+}
+
+/// The soup's positions as floats, `width` of them for each vertex. The caller frees them.
+static float* FloatsOf(const qcSoup* soup, size_t width)
+{
+    float* floats = malloc((size_t)soup->vertexCount * width * sizeof(float));
+    for (size_t v = 0; v < soup->vertexCount; v++)
+        for (size_t k = 0; k < width; k++)
+            floats[width * v + k] = k < 3 ? (float)soup->positions[3 * v + k] : NAN;
+    return floats;
+}
+
+/// New positions of a body in both scenes; before them, now and then, positions that are refused.
+static void MoveBody(Worlds* w, int body)
+{
+    qcSoup* soup = &w->soups[body];
+    for (size_t i = 0; i < 3 * (size_t)soup->vertexCount; i++)
+        soup->positions[i] += qcRandom_Uniform(&w->random, -0.002, 0.002);
+    qcSoup_RoundToFloat(soup);
+    size_t width = 3 + qcRandom_Below(&w->random, 3);
+    float* floats = FloatsOf(soup, width);
+    if (qcRandom_Below(&w->random, 4) == 0)
+    {
+        size_t bad = width * qcRandom_Below(&w->random, soup->vertexCount);
+        float good = floats[bad];
+        floats[bad] = NAN;
+        ck_assert_int_eq(qcScene_SetVertices(w->floats, w->ids[0][body], floats, qc_positionF32, width * sizeof(float)),
+                         qc_statusBadInput);
+        floats[bad] = good;
+    }
+    if (qcRandom_Below(&w->random, 5) == 0)
+        CHECK_OK(qcScene_SetVertices(w->floats, w->ids[0][body], soup->positions, qc_positionF64, 0));
+    else
+        CHECK_OK(qcScene_SetVertices(w->floats, w->ids[0][body], floats, qc_positionF32, width * sizeof(float)));
+    CHECK_OK(qcScene_SetVertices(w->doubles, w->ids[1][body], soup->positions, qc_positionF64, 0));
+    free(floats);
+}
+
+/// Mostly `layers` alone; requests that read other positions between.
+static qcDetectDef ChooseRequest(qcRandom* random)
+{
+    qcDetectDef def = qcDefaultDetectDef();
+    def.method = qc_methodLayers;
+    def.threads = 1 + qcRandom_Below(random, 2);
+    switch (qcRandom_Below(random, 9))
+    {
+        case 0: def.method = qc_methodSweep; break;
+        case 1: def.contactMargin = 0.004; break;
+        case 2: def.manifolds = def.proximities = true; break;
+        case 3: def.motion = true; break;
+        case 4: def.segments = def.touching = true; break;
+        case 5: def.margin = 0.003; break;
+        default: break;
+    }
+    return def;
+}
+
+static size_t CompareResults(const Worlds* w, qcDetectDef def, int step)
+{
+    const qcResult *found, *expected;
+    CHECK_OK(qcScene_Detect(w->floats, &def, &found));
+    def.method = qc_methodSweep;
+    CHECK_OK(qcScene_Detect(w->doubles, &def, &expected));
+    qcResultHash a = qcResult_Hash(found), b = qcResult_Hash(expected);
+    ck_assert_msg(memcmp(&a, &b, sizeof a) == 0, "step %d: %zu pairs, expected %zu", step, found->pairCount,
+                  expected->pairCount);
+    return found->pairCount;
+}
+
+static void CheckSteps(qcDevice* device, uint64_t seed, double noise)
+{
+    Worlds w = MakeWorlds(device, seed, noise);
+    size_t pairs = 0;
+    for (int step = 0; step < qc_steps; step++)
+    {
+        if (qcRandom_Below(&w.random, 8) == 0)
+        {
+            CHECK_OK(qcScene_MarkStart(w.floats));
+            CHECK_OK(qcScene_MarkStart(w.doubles));
+        }
+        for (int body = 0; body < qc_bodies; body++)
+            if (qcRandom_Below(&w.random, 5) != 0)
+                MoveBody(&w, body);
+        pairs += CompareResults(&w, ChooseRequest(&w.random), step);
+        // Another request without new positions.
+        if (qcRandom_Below(&w.random, 3) == 0)
+            pairs += CompareResults(&w, ChooseRequest(&w.random), step);
+    }
+    ck_assert_uint_gt(pairs, qc_steps);
+    EndWorlds(&w);
+}
+
+START_TEST(floats_give_the_pairs_of_doubles_whatever_is_requested_of_them)
+{
+    for (qcDeviceWalk walk = {0}; qcDeviceWalk_Next(&walk);)
+        CheckSteps(walk.device, 7, 0.012);
+}
+END_TEST
+
+START_TEST(so_many_candidates_that_all_floats_become_doubles_give_the_pairs_of_doubles)
+{
+    for (qcDeviceWalk walk = {0}; qcDeviceWalk_Next(&walk);)
+        CheckSteps(walk.device, 11, 0.04);
+}
+END_TEST
+
+QC_RUN_TESTS("float positions", floats_give_the_pairs_of_doubles_whatever_is_requested_of_them,
+             so_many_candidates_that_all_floats_become_doubles_give_the_pairs_of_doubles)
