@@ -3,7 +3,7 @@
 
 #include "common/profiled_detect.h"
 #include "common/stopwatch.h"
-#include "mesh_contact/separating_axis.h"
+#include "mesh_contact/touching_faces.h"
 
 #include <LinearMath/btQuickprof.h>
 #include <LinearMath/btTransformUtil.h>
@@ -404,7 +404,7 @@ void qcMotionLimiter::SkipProvenPairs()
 void qcMotionLimiter::KeepTouching(const qcSweptPair& pair, const btVector3& axis, btScalar error)
 {
     qcPlacedSupport endA{pair.first->hull, pair.first->end}, endB{pair.second->hull, pair.second->end};
-    if (qcGapAlong(endA, endB, axis) > error || qcFindSeparation(endA, endB, axis, error, 0).gap > error)
+    if (qcGapAlong(endA, endB, axis) > error || qcSeparateHulls(endA, endB, axis, error).gap > error)
         return;
     m_planes.AddHulls(pair.first, pair.second, axis, 2 * error);
     m_areTouching = true;
@@ -424,8 +424,17 @@ bool qcMotionLimiter::IsSeparated(const qcSweptPair& pair)
     btVector3 kept = m_axes.GetAxis(a.object, a.end, b.object, b.end);
     if (isProof(kept))
         return true;
-    qcSeparation atStart = qcFindSeparation(startA, startB, kept, BT_LARGE_FLOAT, 0);
-    if ((a.isNew || b.isNew) && btFabs(atStart.gap) <= error)
+    bool isNew = a.isNew || b.isNew;
+    btVector3 keptAtStart = m_axes.GetAxis(a.object, a.start, b.object, b.start);
+    if (isNew && !keptAtStart.fuzzyZero() && qcTouchAlong(startA, startB, keptAtStart))
+    {
+        KeepTouching(pair, keptAtStart, error);
+        return true;
+    }
+    // Only hulls that overlap by rounding need more than the search for the largest gap.
+    qcSeparation atStart = isNew ? qcFindSeparation(startA, startB, kept, BT_LARGE_FLOAT, 0)
+                                 : qcSeparateHulls(startA, startB, kept, BT_LARGE_FLOAT);
+    if (isNew && btFabs(atStart.gap) <= error)
     {
         KeepTouching(pair, atStart.axis, error);
         return true;
@@ -434,7 +443,7 @@ bool qcMotionLimiter::IsSeparated(const qcSweptPair& pair)
         return false;
     if (isProof(atStart.axis))
         return true;
-    qcSeparation atEnd = qcFindSeparation(endA, endB, atStart.axis, BT_LARGE_FLOAT, 0);
+    qcSeparation atEnd = qcSeparateHulls(endA, endB, atStart.axis, BT_LARGE_FLOAT);
     btVector3 between = atStart.axis + atEnd.axis;
     return atEnd.gap > error && (isProof(atEnd.axis) || (!between.fuzzyZero() && isProof(between.normalized())));
 }

@@ -180,6 +180,20 @@ bool qcPlaneContact::AddClosest(const qcPlacedSupport& a, const qcPlacedSupport&
     return true;
 }
 
+void qcPlaneContact::AddTouching(const qcPlacedSupport& a, const qcPlacedSupport& b, const qcSeparation& separation,
+                                 std::vector<qcMeshPoint>* points)
+{
+    auto sourceOf = [](const qcSupportMesh& mesh, uint32_t vertex)
+    { return SourceIn(mesh.Triangles(), *mesh.TrianglesOf().begin(vertex)); };
+    for (int i = 0; i < separation.cornerCount; i++)
+    {
+        btVector3 onA = a.VertexAt(separation.cornersA[i]), onB = b.VertexAt(separation.cornersB[i]);
+        btScalar distance = separation.axis.dot(onB - onA);
+        points->push_back({onA, onA + separation.axis * distance, -separation.axis, distance,
+                           sourceOf(*a.mesh, separation.cornersA[i]), sourceOf(*b.mesh, separation.cornersB[i])});
+    }
+}
+
 bool qcPlaneContact::Find(const qcPlacedSupport& a, const qcPlacedSupport& b, const qcSeparation& separation,
                           btScalar distance, bool orClosest, std::vector<qcMeshPoint>* points)
 {

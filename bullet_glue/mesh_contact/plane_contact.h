@@ -16,6 +16,10 @@ class qcPlaneContact
     bool Find(const qcPlacedSupport& a, const qcPlacedSupport& b, const qcSeparation& separation, btScalar distance,
               bool orClosest, std::vector<qcMeshPoint>* points);
 
+    /// Appends the corners of a separation, common vertices of the two meshes, as contact points.
+    static void AddTouching(const qcPlacedSupport& a, const qcPlacedSupport& b, const qcSeparation& separation,
+                            std::vector<qcMeshPoint>* points);
+
   private:
     /// A point in the plane's frame: two coordinates along it, and its height along the axis.
     struct Flat

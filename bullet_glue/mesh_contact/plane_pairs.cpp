@@ -1,6 +1,8 @@
 // Pairs of small meshes that a plane separates. Why contact is searched this far: plugin/docs/mesh_contact.md.
 #include "mesh_contact/plane_pairs.h"
 
+#include "mesh_contact/touching_faces.h"
+
 #include <algorithm>
 #include <tuple>
 
@@ -86,8 +88,11 @@ bool qcPlanePairs::AddPair(const btCollisionObject* object0, const qcBatchObject
     if (std::max(travelA, travelB) > spacing)
         max = std::max({max, travelA, travelB});
     btVector3 guess = m_cache.GetAxis(object0, sideA.transform, object1, sideB.transform);
-    qcSeparation separation =
-        qcFindSeparation(sideA, sideB, guess, std::max(distance, rest + max) + margins, s_faceSlack * threshold);
+    qcSeparation separation;
+    bool isTouching = guess.fuzzyZero() && qcFindTouchingFaces(sideA, sideB, &separation);
+    if (!isTouching)
+        separation =
+            qcFindSeparation(sideA, sideB, guess, std::max(distance, rest + max) + margins, s_faceSlack * threshold);
     m_cache.KeepAxis(object0, sideA.transform, object1, sideB.transform, separation.axis);
     btScalar closing = approach.Along(separation.axis);
     distance = std::max(distance, rest + closing) + margins;
@@ -95,8 +100,10 @@ bool qcPlanePairs::AddPair(const btCollisionObject* object0, const qcBatchObject
     bool hasContact = separation.gap <= distance;
     if (hasContact)
     {
-        if (separation.gap < -s_maxOverlap * threshold || approach.turn > spacing ||
-            !m_contact.Find(sideA, sideB, separation, distance, closing <= spacing, &m_points))
+        if (isTouching)
+            qcPlaneContact::AddTouching(sideA, sideB, separation, &m_points);
+        else if (separation.gap < -s_maxOverlap * threshold || approach.turn > spacing ||
+                 !m_contact.Find(sideA, sideB, separation, distance, closing <= spacing, &m_points))
             return false;
         pair.end = m_points.size();
         m_contactCount++;

@@ -233,6 +233,13 @@ void TryMovedApart(const qcPlacedSupport& a, const qcPlacedSupport& b, btScalar*
             return;
     }
 }
+
+/// The direction to begin with.
+btVector3 FirstAxis(const btVector3& guess, const btVector3& centres)
+{
+    btVector3 axis = !guess.fuzzyZero() ? guess : !centres.fuzzyZero() ? centres : btVector3(0, 1, 0);
+    return axis.normalized();
+}
 } // namespace
 
 btScalar qcGapAlong(const qcPlacedSupport& a, const qcPlacedSupport& b, const btVector3& axis)
@@ -247,15 +254,22 @@ btScalar qcGapError(const qcPlacedSupport& a, const qcPlacedSupport& b)
     return 32 * std::numeric_limits<btScalar>::epsilon() * size;
 }
 
+qcSeparation qcSeparateHulls(const qcPlacedSupport& a, const qcPlacedSupport& b, const btVector3& guess,
+                             btScalar enough)
+{
+    qcSeparation separation;
+    separation.axis = FirstAxis(guess, b.transform.getOrigin() - a.transform.getOrigin());
+    Simplex closest;
+    Iterate(a, b, enough, &closest, &separation);
+    return separation;
+}
+
 qcSeparation qcFindSeparation(const qcPlacedSupport& a, const qcPlacedSupport& b, const btVector3& guess,
                               btScalar enough, btScalar slack)
 {
     qcSeparation separation;
     btVector3 centres = b.transform.getOrigin() - a.transform.getOrigin();
-    separation.axis = guess.fuzzyZero() ? centres : guess;
-    if (separation.axis.fuzzyZero())
-        separation.axis = btVector3(0, 1, 0);
-    separation.axis.normalize();
+    separation.axis = FirstAxis(guess, centres);
     separation.gap = qcGapAlong(a, b, separation.axis);
     if (separation.gap > enough)
         return separation;

@@ -30,5 +30,8 @@ btScalar qcGapError(const qcPlacedSupport& a, const qcPlacedSupport& b);
 /// example the axis of the previous step.
 qcSeparation qcFindSeparation(const qcPlacedSupport& a, const qcPlacedSupport& b, const btVector3& guess,
                               btScalar enough, btScalar slack);
+/// Likewise, without normals of faces. A gap that is not above 0 may be less than the largest.
+qcSeparation qcSeparateHulls(const qcPlacedSupport& a, const qcPlacedSupport& b, const btVector3& guess,
+                             btScalar enough);
 
 #endif

@@ -1,6 +1,7 @@
 // Planes between two small meshes, and contact points on both sides of them, beside exact distances of triangles.
 #include "bullet/mesh/mesh_models.h"
 #include "mesh_contact/plane_contact.h"
+#include "mesh_contact/touching_faces.h"
 #include "support/suite.h"
 
 #include <check.h>
@@ -99,6 +100,8 @@ START_TEST(the_gap_of_convex_meshes_is_their_distance)
         {
             apart++;
             ck_assert_double_eq_tol(double(found.gap), distance, 1.1e-3 * distance + 1e-5);
+            qcSeparation hulls = qcSeparateHulls(a.at, b.at, btVector3(0, 0, 0), BT_LARGE_FLOAT);
+            ck_assert_double_eq_tol(double(hulls.gap), distance, 1.1e-3 * distance + 1e-5);
         }
         else if (distance == 0)
             ck_assert_double_lt(double(found.gap), 1e-5);
@@ -221,6 +224,69 @@ START_TEST(points_lie_on_both_meshes_and_one_is_where_they_are_nearest)
 }
 END_TEST
 
+/// Two boxes that have been cut from one at a random place, the second one moved along x and y.
+struct CutBox
+{
+    btTransform place = RandomPlace(3);
+    Placed a, b;
+
+    CutBox(const btVector3& half, btScalar x, btScalar y)
+        : a(Box(half.x(), half.y(), half.z()), place),
+          b(Box(btScalar(0.3), half.y(), half.z()),
+            place * btTransform(btQuaternion::getIdentity(), btVector3(half.x() + btScalar(0.3) + x, y, 0)))
+    {
+    }
+};
+
+btVector3 RandomHalf()
+{
+    return btVector3(Random(btScalar(0.2), 1), Random(btScalar(0.2), 1), Random(btScalar(0.2), 1));
+}
+
+START_TEST(boxes_cut_from_one_touch_at_corners_of_the_cut)
+{
+    for (int run = 0; run < s_runs; run++)
+    {
+        btVector3 half = RandomHalf();
+        CutBox cut(half, 0, 0);
+        double error = double(qcGapError(cut.a.at, cut.b.at));
+        qcSeparation found;
+        ck_assert(qcFindTouchingFaces(cut.a.at, cut.b.at, &found));
+        ck_assert_double_le(double(btFabs(found.gap)), error);
+        ck_assert_double_gt(double(found.axis.dot(cut.place.getBasis().getColumn(0))), 0.9999);
+        ck_assert(qcTouchAlong(cut.a.at, cut.b.at, found.axis));
+        std::vector<qcMeshPoint> points;
+        qcPlaneContact::AddTouching(cut.a.at, cut.b.at, found, &points);
+        ck_assert_uint_eq(points.size(), 3);
+        for (const qcMeshPoint& point : points)
+        {
+            ck_assert_double_lt(DistanceFrom(cut.a, point.onA), 1e-5);
+            ck_assert_double_lt(DistanceFrom(cut.b, point.onB), 1e-5);
+            ck_assert_double_lt(double(btFabs(point.distance)), 1e-5);
+            ck_assert_double_lt(double(point.normal.dot(found.axis)), -0.9999);
+        }
+        // Half of the cut's area: three corners of a rectangle.
+        btVector3 area = (points[1].onA - points[0].onA).cross(points[2].onA - points[0].onA);
+        ck_assert_double_eq_tol(double(area.length()), double(4 * half.y() * half.z()), 1e-3);
+    }
+}
+END_TEST
+
+START_TEST(boxes_that_are_apart_overlap_or_have_no_common_corners_do_not_touch)
+{
+    const btScalar moves[][2] = {
+        {btScalar(0.001), 0}, {btScalar(-0.001), 0}, {0, btScalar(0.1)}, {0, 5}, {btScalar(0.001), btScalar(0.1)}};
+    for (int run = 0; run < s_runs; run++)
+        for (const btScalar* move : moves)
+        {
+            CutBox cut(RandomHalf(), move[0], move[1]);
+            qcSeparation found;
+            ck_assert(!qcFindTouchingFaces(cut.a.at, cut.b.at, &found));
+            ck_assert(!qcTouchAlong(cut.a.at, cut.b.at, cut.place.getBasis().getColumn(0)));
+        }
+}
+END_TEST
+
 START_TEST(a_body_in_the_mouth_of_another_has_no_points_in_the_air)
 {
     // A U of three boxes, 1 m wide inside; a small cube in its mouth touches nothing.
@@ -252,4 +318,6 @@ QC_RUN_TESTS("separating planes", the_gap_of_convex_meshes_is_their_distance, no
              bodies_that_meet_at_two_edges_have_a_plane_between_them,
              points_of_cubes_on_each_other_are_the_corners_of_the_common_area,
              points_lie_on_both_meshes_and_one_is_where_they_are_nearest,
+             boxes_cut_from_one_touch_at_corners_of_the_cut,
+             boxes_that_are_apart_overlap_or_have_no_common_corners_do_not_touch,
              a_body_in_the_mouth_of_another_has_no_points_in_the_air)
