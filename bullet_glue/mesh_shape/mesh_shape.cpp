@@ -288,6 +288,12 @@ void qcMeshShape::processAllTriangles(btTriangleCallback* callback, const btVect
 void qcMeshShape::processTrianglesBelow(btTriangleCallback* callback, const btVector3& normal, btScalar distance) const
 {
     const Implementation& my = *m_implementation;
+    btVector3 lowest;
+    for (int axis = 0; axis < 3; axis++)
+        lowest[axis] = normal[axis] >= 0 ? my.lower[axis] : my.upper[axis];
+    // As in the tree, which a mesh above all planes never needs.
+    if (normal.x() * lowest.x() + normal.y() * lowest.y() + normal.z() * lowest.z() > distance)
+        return;
     my.GetTree().VisitBelow(normal, distance, [&](uint32_t triangle) { my.Report(callback, triangle); });
 }
 
