@@ -28,8 +28,8 @@ qc_packages()
             # The live window of the demos, --view, and a display for its test; without them the demos have no window.
             view) echo libglfw3-dev libimgui-dev fonts-dejavu-core ;;
             display) echo xvfb xauth ;;
-            # tests/run.sh --sanitize memory
-            clang) echo clang libclang-rt-dev ;;
+            # tests/run.sh --sanitize memory, tests/fuzz/run.sh
+            clang) echo clang llvm libclang-rt-dev ;;
             # For the target docs and its test; without it that test is skipped.
             docs) echo doxygen ;;
         esac

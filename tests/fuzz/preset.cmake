@@ -1,0 +1,10 @@
+# cmake -C tests/fuzz/preset.cmake: clang with libFuzzer, sanitizers and source-based coverage. Asserts are on.
+find_program(CMAKE_C_COMPILER NAMES clang clang-14 clang-15 clang-16 clang-17 clang-18 clang-19 REQUIRED)
+find_program(CMAKE_CXX_COMPILER NAMES clang++ clang++-14 clang++-15 clang++-16 clang++-17 clang++-18 clang++-19 REQUIRED)
+set(sanitize "-fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fno-sanitize-recover=all")
+foreach(language C CXX)
+  set(CMAKE_${language}_FLAGS "${sanitize} -fprofile-instr-generate -fcoverage-mapping" CACHE STRING "")
+  set(CMAKE_${language}_FLAGS_RELEASE "-O1 -g1" CACHE STRING "")
+endforeach()
+set(BUILD_SHARED_LIBS OFF CACHE BOOL "")
+set(QC_BUILD_FUZZERS ON CACHE BOOL "")
