@@ -62,7 +62,7 @@ if [ -n "$long" ]; then
     failed=0
     QC_TEST_LONG=yes CK_TIMEOUT_MULTIPLIER=20 ctest --test-dir "$root/build" --verbose --timeout 6000 \
         --label-regex long --parallel "$(nproc)" "$@" || failed=$?
-    [ ! -f "$root/tests/fuzz/run.sh" ] || sh "$root/tests/fuzz/run.sh" || failed=$?
+    sh "$root/tests/fuzz/run.sh" || failed=$?
     exit "$failed"
 fi
 QC_TEST_DEVICES=${QC_TEST_DEVICES-$(qc_gl_devices)}

@@ -291,7 +291,7 @@ void qcMeshShape::processTrianglesBelow(btTriangleCallback* callback, const btVe
     btVector3 lowest;
     for (int axis = 0; axis < 3; axis++)
         lowest[axis] = normal[axis] >= 0 ? my.lower[axis] : my.upper[axis];
-    // As in the tree, which a mesh above all planes never needs.
+    // A mesh above all planes never builds its tree.
     if (normal.x() * lowest.x() + normal.y() * lowest.y() + normal.z() * lowest.z() > distance)
         return;
     my.GetTree().VisitBelow(normal, distance, [&](uint32_t triangle) { my.Report(callback, triangle); });

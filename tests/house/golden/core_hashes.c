@@ -32,14 +32,13 @@ static Hashes Hashes_Start(void)
 
 static void Hashes_Add(Hashes* hashes, const qcResult* r)
 {
-    qcHash_AddArray(&hashes->pairs, r->pairs, r->pairCount, sizeof *r->pairs);
-    qcHash_AddArray(&hashes->segments, r->segments, r->segments != NULL ? r->pairCount : 0, sizeof *r->segments);
-    qcHash_AddArray(&hashes->proximities, r->proximities, r->proximities != NULL ? r->pairCount : 0,
-                    sizeof *r->proximities);
-    qcHash_AddArray(&hashes->contacts, r->contacts, r->contactCount, sizeof *r->contacts);
-    qcHash_AddArray(&hashes->manifolds, r->manifolds, r->manifoldCount, sizeof *r->manifolds);
-    qcHash_AddArray(&hashes->points, r->manifoldPoints, r->manifoldPointCount, sizeof *r->manifoldPoints);
-    qcHash_AddArray(&hashes->pcs, r->pcs, r->pcsCount, sizeof *r->pcs);
+    qcHash_AddFields(&hashes->pairs, r->pairs, r->pairCount, "44444");
+    qcHash_AddFields(&hashes->segments, r->segments, r->segments != NULL ? r->pairCount : 0, "888888");
+    qcHash_AddFields(&hashes->proximities, r->proximities, r->proximities != NULL ? r->pairCount : 0, "88888888888");
+    qcHash_AddFields(&hashes->contacts, r->contacts, r->contactCount, "444444448888888888");
+    qcHash_AddFields(&hashes->manifolds, r->manifolds, r->manifoldCount, "4444");
+    qcHash_AddFields(&hashes->points, r->manifoldPoints, r->manifoldPointCount, "8888888888444444");
+    qcHash_AddFields(&hashes->pcs, r->pcs, r->pcsCount, "44");
     const qcProfile* p = &r->profile;
     const uint64_t work[] = {p->candidates,
                              p->filterHits,
@@ -61,7 +60,7 @@ static void Hashes_Add(Hashes* hashes, const qcResult* r)
                              p->flatTriangles,
                              p->queries,
                              p->rendered};
-    qcHash_AddArray(&hashes->work, work, sizeof work / sizeof work[0], sizeof work[0]);
+    qcHash_AddFields(&hashes->work, work, sizeof work / sizeof work[0], "8");
 }
 
 /// A filter for pairs of bodies: one has slot 0, or the sum of slots is even.
@@ -240,11 +239,11 @@ static void HashTriangles(void)
         double triangles[2][9];
         MakeTriangles(&random, triangles);
         uint32_t relation = (uint32_t)qcRelateTriangles(triangles[0], triangles[1]);
-        qcHash_AddArray(&relations, &relation, 1, sizeof relation);
+        qcHash_AddFields(&relations, &relation, 1, "4");
         qcProximity proximity;
         double margin = i % 2 == 0 ? qcRandom_Uniform(&random, 0.0, 1.0) : (double)INFINITY;
         bool within = qcTrianglesWithin(triangles[0], triangles[1], margin, &proximity);
-        qcHash_AddArray(&proximities, &proximity, within, sizeof proximity);
+        qcHash_AddFields(&proximities, &proximity, within, "88888888888");
     }
     printf("triangles");
     PrintHash("relations", &relations);
@@ -265,7 +264,7 @@ static bool VisitBox(uint32_t id, void* userData, void* context)
 {
     Visits* visits = context;
     uint64_t both[2] = {id, (uint64_t)(uintptr_t)userData};
-    qcHash_AddArray(&visits->hash, both, 1, sizeof both);
+    qcHash_AddFields(&visits->hash, both, 1, "88");
     if (visits->fraction != NULL)
         *visits->fraction *= 0.9375;
     return --visits->left != 0;
@@ -369,21 +368,21 @@ static void HashBoxes(const char* name, uint32_t count, double size)
             const qcBoxPair* pairs;
             size_t pairCount;
             CHECK_OK(qcBoxes_FindMovedPairs(model.boxes, &pairs, &pairCount));
-            qcHash_AddArray(&moved, pairs, pairCount, sizeof *pairs);
+            qcHash_AddFields(&moved, pairs, pairCount, "44");
         }
         else
         {
             qcBoxChanges changes;
             CHECK_OK(qcBoxes_FindChangedPairs(model.boxes, &changes));
-            qcHash_AddArray(&began, changes.began, changes.beganCount, sizeof *changes.began);
-            qcHash_AddArray(&ended, changes.ended, changes.endedCount, sizeof *changes.ended);
+            qcHash_AddFields(&began, changes.began, changes.beganCount, "44");
+            qcHash_AddFields(&ended, changes.ended, changes.endedCount, "44");
         }
         double total[2][3];
         qcBoxes_GetTotalBounds(model.boxes, total[0], total[1]);
-        qcHash_AddArray(&bounds, total, 1, sizeof total);
+        qcHash_AddFields(&bounds, total, 1, "888888");
         qcBoxProfile profile = qcBoxes_GetProfile(model.boxes);
         const uint64_t counters[4] = {profile.moved, profile.sought, profile.compared, profile.sorted};
-        qcHash_AddArray(&work, counters, 4, sizeof counters[0]);
+        qcHash_AddFields(&work, counters, 4, "8");
     }
     qcBoxes_Destroy(model.boxes);
     printf("boxes/%s", name);

@@ -4,6 +4,7 @@
 
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 /// A hash of `count` elements.
 typedef struct qcHash
@@ -25,12 +26,48 @@ static inline void qcHash_Add(qcHash* hash, const void* data, size_t size)
         hash->value = (hash->value ^ bytes[i]) * 0x100000001b3u;
 }
 
-/// `count` elements of `size` bytes. The count is hashed too, so that steps don't run into each other.
+/// A number of 4 or 8 bytes, the low byte first on every machine.
+static inline void qcHash_AddNumber(qcHash* hash, const void* number, size_t size)
+{
+    uint64_t value;
+    uint32_t half;
+    if (size == sizeof value)
+        memcpy(&value, number, sizeof value);
+    else
+    {
+        memcpy(&half, number, sizeof half);
+        value = half;
+    }
+    for (size_t i = 0; i < size; i++)
+        hash->value = (hash->value ^ (value >> 8 * i & 255)) * 0x100000001b3u;
+}
+
+/// The count is hashed too, so that steps don't run into each other.
+static inline void qcHash_AddCount(qcHash* hash, uint64_t count)
+{
+    hash->count += count;
+    qcHash_AddNumber(hash, &count, sizeof count);
+}
+
+/// `count` elements without padding; `fields` has a digit for each number of an element, in order: its size, 4 or 8.
+/// The same on machines of either byte order.
+static inline void qcHash_AddFields(qcHash* hash, const void* data, size_t count, const char* fields)
+{
+    qcHash_AddCount(hash, count);
+    const char* number = (const char*)data;
+    for (size_t i = 0; i < count; i++)
+        for (const char* field = fields; *field != '\0'; field++)
+        {
+            size_t size = (size_t)(*field - '0');
+            qcHash_AddNumber(hash, number, size);
+            number += size;
+        }
+}
+
+/// `count` elements of `size` bytes, byte for byte.
 static inline void qcHash_AddArray(qcHash* hash, const void* data, size_t count, size_t size)
 {
-    uint64_t length = count;
-    hash->count += length;
-    qcHash_Add(hash, &length, sizeof length);
+    qcHash_AddCount(hash, count);
     if (count != 0)
         qcHash_Add(hash, data, count * size);
 }
