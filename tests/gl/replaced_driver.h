@@ -61,18 +61,23 @@ static inline void MoveAll(World* world)
     }
 }
 
-/// A scene of rigid soups that intersect.
-static inline World MakeWorld(qcDevice* device)
+/// A scene of rigid soups that intersect, of `triangles` each.
+static inline World MakeWorldOf(qcDevice* device, uint32_t triangles)
 {
     World world = {.scene = qcMakeScene(device)};
     for (int i = 0; i < qc_soupCount; i++)
     {
-        qcSoup soup = qcSoup_MakeRandom(7 + (uint64_t)i, 200, 0.15);
+        qcSoup soup = qcSoup_MakeRandom(7 + (uint64_t)i, triangles, 0.15);
         world.ids[i] = qcAddSoup(world.scene, &soup);
         qcSoup_Free(&soup);
     }
     MoveAll(&world);
     return world;
+}
+
+static inline World MakeWorld(qcDevice* device)
+{
+    return MakeWorldOf(device, 200);
 }
 
 /// Compares `layers` with the sweep. Returns the reason for the fallback; null: the device found the pairs.
