@@ -50,7 +50,7 @@ static inline void qcHash_AddCount(qcHash* hash, uint64_t count)
 }
 
 /// `count` elements without padding; `fields` has a digit for each number of an element, in order: its size, 4 or 8.
-/// The same on machines of either byte order.
+/// Machines of either byte order give equal hashes.
 static inline void qcHash_AddFields(qcHash* hash, const void* data, size_t count, const char* fields)
 {
     qcHash_AddCount(hash, count);
