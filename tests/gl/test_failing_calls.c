@@ -1,6 +1,6 @@
 // Each function of GL fails in turn: it does nothing and leaves an error behind. And the n-th look at GL's errors finds
-// one, or finds the context lost, for each n of a step. Whatever fails: a status, every pair, and the next step is
-// whole.
+// one, or finds the context lost, for each n of a step. Or the device reports other limits than it has. Whatever fails:
+// a status, every pair, and the next step is whole.
 #define _POSIX_C_SOURCE 200809L
 #include "gl/replaced_driver.h"
 #include "support/suite.h"
@@ -254,6 +254,105 @@ START_TEST(an_error_or_a_loss_at_any_time_loses_no_pair)
 }
 END_TEST
 
+//  ---- limits ----------------------------------------------------------------------------------------------------
+
+static int64_t s_limit;        ///< what is reported for every limit
+static GLsizeiptr s_roomBytes; ///< of the largest buffer that there really is
+
+static bool IsLimit(GLenum name)
+{
+    return name == GL_MAX_SHADER_STORAGE_BLOCK_SIZE || name == GL_MAX_TEXTURE_BUFFER_SIZE ||
+           name == GL_MAX_RENDERBUFFER_SIZE || name == GL_MAX_VIEWPORT_DIMS ||
+           name == GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS || name == GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS ||
+           name == GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT;
+}
+
+static void APIENTRY GetOtherLimit(GLenum name, GLint* values)
+{
+    s_real.GetIntegerv(name, values);
+    if (!IsLimit(name))
+        return;
+    for (int i = 0; i < (name == GL_MAX_VIEWPORT_DIMS ? 2 : 1); i++)
+        values[i] = s_limit < INT32_MIN ? INT32_MIN : s_limit > INT32_MAX ? INT32_MAX : (GLint)s_limit;
+}
+
+static void APIENTRY GetOtherLimit64(GLenum name, GLint64* value)
+{
+    s_real.GetInteger64v(name, value);
+    if (IsLimit(name))
+        *value = s_limit;
+}
+
+static void APIENTRY AllocateInRoom(GLenum target, GLsizeiptr bytes, const void* data, GLenum usage)
+{
+    if (bytes <= s_roomBytes)
+        s_real.BufferData(target, bytes, data, usage);
+    else
+        s_isPending = true;
+}
+
+static void APIENTRY AllocateStorageInRoom(GLenum target, GLsizeiptr bytes, const void* data, GLbitfield flags)
+{
+    if (bytes <= s_roomBytes)
+        s_real.BufferStorage(target, bytes, data, flags);
+    else
+        s_isPending = true;
+}
+
+static void MakeLiar(struct qcGlFunctions* gl)
+{
+    gl->GetIntegerv = GetOtherLimit;
+    gl->GetInteger64v = GetOtherLimit64;
+    gl->GetError = GetPendingError;
+    gl->BufferData = AllocateInRoom;
+    if (gl->BufferStorage != NULL)
+        gl->BufferStorage = AllocateStorageInRoom;
+}
+
+/// Three steps on a device that reports a limit and has room for buffers of some bytes. Returns how many the device
+/// did.
+static int CheckLimits(qcDevice* device, qcMethod method, int64_t limit, GLsizeiptr roomBytes)
+{
+    s_limit = limit;
+    s_roomBytes = roomBytes;
+    s_losesContext = false;
+    World world = MakeWorldFor(device, method);
+    Replacement replacement = {MakeLiar};
+    CHECK_OK(qcDevice_Run(device, Replace, &replacement, "a test"));
+    int done = 0;
+    for (int step = 0; step < 3; step++)
+        done += RunStep(&world, method);
+    RestoreDriver(device);
+    qcScene_Destroy(world.scene);
+    CheckThatItRecovers(device, method, "limits");
+    return done;
+}
+
+START_TEST(a_device_that_lies_about_its_limits_loses_no_pair)
+{
+    static const int64_t limits[] = {INT64_MIN, INT32_MIN, -1, 0, 1, 3, 100, 4096, 100000, INT32_MAX, INT64_MAX};
+    const Way* way = &s_ways[_i];
+    setenv("QC_LAYERS_REFINE", way->refinement, 1);
+    bool isTried = false;
+    QC_FOR_EACH_DEVICE(device)
+    {
+        if (!Computes(device) || (isTried && !way->everywhere))
+            continue;
+        isTried = true;
+        for (size_t i = 0; i < sizeof limits / sizeof limits[0]; i++)
+            for (GLsizeiptr room = 64; room <= 1 << 26; room *= 32)
+            {
+                int done = CheckLimits(device, way->method, limits[i], room);
+                if (limits[i] == INT64_MAX && room == 1 << 26)
+                    ck_assert_int_eq(done, 3);
+                if (limits[i] <= 0 && way->method == qc_methodLayers)
+                    ck_assert_int_eq(done, 0);
+            }
+    }
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
 int main(void)
 {
     Suite* suite = suite_create("failing calls");
@@ -261,6 +360,7 @@ int main(void)
     tcase_set_timeout(testCase, 300);
     tcase_add_loop_test(testCase, a_function_that_fails_loses_no_pair, 0, qc_wayCount);
     tcase_add_loop_test(testCase, an_error_or_a_loss_at_any_time_loses_no_pair, 0, 2 * qc_wayCount);
+    tcase_add_loop_test(testCase, a_device_that_lies_about_its_limits_loses_no_pair, 0, qc_wayCount);
     suite_add_tcase(suite, testCase);
     return qcRunSuite(suite);
 }
