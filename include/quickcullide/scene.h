@@ -317,7 +317,7 @@ typedef struct qcDetectDef
     /// `proximities` it has no effect. 0: all pairs count.
     double spacing;
     /// The most pairs of triangles that the step may hold at any stage: candidates, pairs listed for contacts, results.
-    /// A bound for memory: a pair takes at most some 80 bytes until it is reported, without contacts, segments,
+    /// A bound for memory: a pair takes at most some 68 bytes until it is reported, without contacts, segments,
     /// proximities and manifolds. With more pairs qcScene_Detect returns qc_statusTooManyPairs. 0: no limit.
     uint64_t maxPairs;
 } qcDetectDef;

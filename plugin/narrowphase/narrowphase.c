@@ -240,13 +240,18 @@ static qcStatus CollectPairs(qcNarrowphase* narrow, const qcArray* classified)
     size_t total = classified->count;
     for (size_t i = 0; i < narrow->workers.count; i++)
         total += QC_AT(qcNarrowphaseWorker, narrow->workers, i).found.count;
-    narrow->related.count = 0;
+    // The first worker's list grows into the list of all: one copy less in memory.
+    qcArray* first = &QC_AT(qcNarrowphaseWorker, narrow->workers, 0).found;
+    qcArray old = narrow->related;
+    narrow->related = *first;
+    *first = old;
+    first->count = 0;
     QC_TRY(qcArray_Reserve(&narrow->related, total, sizeof(uint64_t), "pairs"));
-    QC_TRY(qcArray_Resize(&narrow->pairs, total, sizeof(qcPair), "pairs"));
-    for (size_t i = 0; i < narrow->workers.count; i++)
+    for (size_t i = 1; i < narrow->workers.count; i++)
         QC_TRY(qcArray_Append(&narrow->related, &QC_AT(qcNarrowphaseWorker, narrow->workers, i).found, sizeof(uint64_t),
                               "pairs"));
     QC_TRY(qcArray_Append(&narrow->related, classified, sizeof(uint64_t), "pairs"));
+    QC_TRY(qcArray_Resize(&narrow->pairs, total, sizeof(qcPair), "pairs"));
     return qcSort_Keys(narrow->related.data, total, &narrow->scratch);
 }
 
