@@ -1,5 +1,6 @@
-// Changes of a scene that must not change its pairs: after names are mapped back, the changed scene has the pairs and
-// relations of the original by brute force, whatever method, device, threads, image or history found them.
+// Changes of a scene that must not change its pairs: after names are mapped back, the changed scene has the pairs,
+// relations, distances and contacts of the original by brute force, whatever method, device, threads, image or history
+// found them.
 #include "support/devices.h"
 #include "support/scenes.h"
 #include "support/suite.h"
@@ -12,6 +13,9 @@ enum
     qc_maxParts = 8,
     qc_seedCount = 10
 };
+
+/// Distances differ by no more, in units of a model, whose points are at most some 10 units away.
+static const double s_rounding = 1e-12;
 
 //  ---- models ----------------------------------------------------------------------------------------------------
 
@@ -296,6 +300,7 @@ enum
 typedef struct NamedPair
 {
     uint32_t lower, upper, relation;
+    double distance, depth; ///< in units of the model; 0 without qcDetectDef::proximities
 } NamedPair;
 
 typedef struct NamedPairs
@@ -366,7 +371,11 @@ static NamedPairs DetectNamed(qcScene* scene, const Model* model, const qcDetect
         const qcPair* pair = &result->pairs[i];
         uint32_t a = model->parts[pair->bodyA].names[pair->triangleA];
         uint32_t b = model->parts[pair->bodyB].names[pair->triangleB];
-        named.pairs[i] = (NamedPair){a < b ? a : b, a < b ? b : a, (uint32_t)pair->relation};
+        named.pairs[i] = (NamedPair){a < b ? a : b, a < b ? b : a, (uint32_t)pair->relation, 0.0, 0.0};
+        if (result->proximities == NULL)
+            continue;
+        named.pairs[i].distance = result->proximities[i].distance / model->unit;
+        named.pairs[i].depth = result->proximities[i].depth / model->unit;
     }
     qsort(named.pairs, named.count, sizeof(NamedPair), CompareNamed);
     return named;
@@ -381,17 +390,21 @@ static void CheckSameNamed(const NamedPairs* expected, const NamedPairs* found, 
             ck_abort_msg("%s: pair %zu is %u %u %s, expected %u %u %s", what, i, f->lower, f->upper,
                          qcRelation_Name((qcRelation)f->relation), e->lower, e->upper,
                          qcRelation_Name((qcRelation)e->relation));
+        if (fabs(e->distance - f->distance) > s_rounding || fabs(e->depth - f->depth) > s_rounding)
+            ck_abort_msg("%s: %u %u: distance %.17g, depth %.17g, expected %.17g, %.17g", what, f->lower, f->upper,
+                         f->distance, f->depth, e->distance, e->depth);
     }
     ck_assert_msg(expected->count == found->count, "%s: %zu pairs, expected %zu", what, found->count, expected->count);
 }
 
-/// The request number `kind`: pairs that penetrate, that touch, with neighbours, near ones.
+/// The request number `kind`: pairs that penetrate, that touch, with neighbours, near ones; with distances.
 static qcDetectDef MakeRequest(int kind, double unit)
 {
     qcDetectDef def = qcDefaultDetectDef();
     def.touching = kind % 4 == 1 || kind % 4 == 2;
     def.neighbours = kind % 4 >= 2;
     def.margin = kind % 4 == 3 ? unit * 0x1p-6 : 0.0;
+    def.proximities = true;
     return def;
 }
 
@@ -452,6 +465,66 @@ START_TEST(a_change_of_names_or_frame_changes_no_pair_on_a_device)
         for (int change = 0; change < qc_changeCount; change++)
             for (uint64_t seed = 1; seed <= 4; seed++)
                 CheckChange(seed, &s_changes[change], device, seed % 2 == 0 ? qc_methodAuto : qc_methodLayers);
+    }
+}
+END_TEST
+
+static int CompareDoubles(const void* x, const void* y)
+{
+    double a = *(const double*)x, b = *(const double*)y;
+    return (a > b) - (a < b);
+}
+
+/// The different distances of a model's contacts, in its units, in ascending order. Two features at one place, of which
+/// a contact names one, depend on the order of names, so that the number of contacts does.
+static double* DetectContacts(const Model* model, qcMethod method, uint32_t threads, size_t* count)
+{
+    qcScene* scene = qcMakeScene(NULL);
+    qcBodyId ids[qc_maxParts];
+    AddParts(scene, model, ids);
+    qcDetectDef def = qcDefaultDetectDef();
+    def.method = method;
+    def.threads = threads;
+    def.contactMargin = model->unit * 0x1p-6;
+    const qcResult* result;
+    CHECK_OK(qcScene_Detect(scene, &def, &result));
+    *count = result->contactCount;
+    double* distances = Allocate(*count * sizeof *distances);
+    for (size_t i = 0; i < *count; i++)
+        distances[i] = result->contacts[i].distance / model->unit;
+    qsort(distances, *count, sizeof *distances, CompareDoubles);
+    size_t different = 0;
+    for (size_t i = 0; i < *count; i++)
+        if (different == 0 || distances[i] > distances[different - 1] + s_rounding)
+            distances[different++] = distances[i];
+    *count = different;
+    qcScene_Destroy(scene);
+    return distances;
+}
+
+START_TEST(a_change_of_names_or_frame_changes_no_contact)
+{
+    // Contacts are for lengths between 1e-70 and 1e70.
+    if (s_changes[_i].apply == ScaleFar)
+        return;
+    for (uint64_t seed = 1; seed <= qc_seedCount; seed++)
+    {
+        const Change* change = &s_changes[_i];
+        Model original = MakeModel(seed), changed = MakeModel(seed);
+        change->apply(&changed);
+        size_t count, changedCount;
+        double* expected = DetectContacts(&original, qc_methodBrute, 1, &count);
+        double* found = DetectContacts(&changed, qc_methodSweep, 1 + (uint32_t)(seed % 4), &changedCount);
+        ck_assert_uint_gt(count, 20);
+        ck_assert_msg(count == changedCount, "seed %d, %s: %zu contacts, expected %zu", (int)seed, change->name,
+                      changedCount, count);
+        for (size_t i = 0; i < count; i++)
+            ck_assert_msg(fabs(expected[i] - found[i]) <= s_rounding, "seed %d, %s: contact %zu is at %g, expected %g",
+                          (int)seed, change->name, i, found[i], expected[i]);
+        free(expected);
+        free(found);
+        Model_Free(&changed);
+        Model_Free(&original);
     }
 }
 END_TEST
@@ -585,6 +658,7 @@ int main(void)
     TCase* testCase = tcase_create("metamorphic");
     tcase_set_timeout(testCase, 300);
     tcase_add_loop_test(testCase, a_change_of_names_or_frame_changes_no_pair, 0, qc_changeCount);
+    tcase_add_loop_test(testCase, a_change_of_names_or_frame_changes_no_contact, 0, qc_changeCount);
     tcase_add_test(testCase, a_change_of_names_or_frame_changes_no_pair_on_a_device);
     tcase_add_test(testCase, many_changes_change_no_pair);
     tcase_add_test(testCase, what_a_scene_was_before_changes_no_pair);
