@@ -56,7 +56,8 @@ if [ -n "$preset" ]; then
     qc_folder=$root/build-$preset
     qc_build "$root" all -C "$root/tests/presets/$preset.cmake" -DQC_BUILD_TESTS=ON
 else
-    qc_build "$root" all -DQC_BUILD_TESTS=ON -DQC_BUILD_DEMOS=ON -DQC_BUILD_BULLET=ON
+    qc_build "$root" all -DQC_BUILD_TESTS=ON -DQC_BUILD_DEMOS=ON -DQC_BUILD_BULLET=ON \
+        "-DQC_WARNINGS_AS_ERRORS=${QC_WARNINGS_AS_ERRORS-ON}"
 fi
 if [ -n "$long" ]; then
     failed=0

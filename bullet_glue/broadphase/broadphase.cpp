@@ -173,10 +173,10 @@ void qcBroadphase::rayTest(const btVector3& rayFrom, const btVector3& rayTo, btB
     Cast cast = {&rayCallback, rayCallback.m_lambda_max, 1.0, recorder != nullptr ? &reported : nullptr};
     auto function = [](uint32_t, void* userData, void* context)
     {
-        Cast* cast = static_cast<Cast*>(context);
-        cast->Process(static_cast<qcProxy*>(userData));
-        if (cast->callback->m_lambda_max < cast->lambda)
-            cast->fraction = double(cast->callback->m_lambda_max) / double(cast->lambda);
+        Cast* caller = static_cast<Cast*>(context);
+        caller->Process(static_cast<qcProxy*>(userData));
+        if (caller->callback->m_lambda_max < caller->lambda)
+            caller->fraction = double(caller->callback->m_lambda_max) / double(caller->lambda);
         return true;
     };
     qcBoxCast recorded;

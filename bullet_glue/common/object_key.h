@@ -21,10 +21,10 @@ struct qcObjectKey
     const btCollisionObject* object;
     int uniqueId; ///< see qcUniqueIdOf
 
-    explicit qcObjectKey(const btCollisionObject* object) : object(object), uniqueId(qcUniqueIdOf(object))
+    explicit qcObjectKey(const btCollisionObject* added) : qcObjectKey(added, qcUniqueIdOf(added))
     {
     }
-    qcObjectKey(const btCollisionObject* object, int uniqueId) : object(object), uniqueId(uniqueId)
+    qcObjectKey(const btCollisionObject* added, int id) : object(added), uniqueId(id)
     {
     }
     bool operator==(const qcObjectKey& other) const

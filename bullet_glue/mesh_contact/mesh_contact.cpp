@@ -32,7 +32,7 @@ btCollisionAlgorithm* Make(btCollisionAlgorithmConstructionInfo& info, qcMeshBat
 
 struct MeshMeshCreate : btCollisionAlgorithmCreateFunc
 {
-    MeshMeshCreate(qcMeshBatch* batch, bool query) : batch(batch), query(query)
+    MeshMeshCreate(qcMeshBatch* ofWorld, bool forQueries) : batch(ofWorld), query(forQueries)
     {
     }
 
@@ -53,7 +53,7 @@ struct MeshMeshCreate : btCollisionAlgorithmCreateFunc
 
 struct MeshPlaneCreate : btCollisionAlgorithmCreateFunc
 {
-    MeshPlaneCreate(qcMeshBatch* batch, bool query) : batch(batch), query(query)
+    MeshPlaneCreate(qcMeshBatch* ofWorld, bool forQueries) : batch(ofWorld), query(forQueries)
     {
     }
 
@@ -76,7 +76,7 @@ struct MeshPlaneCreate : btCollisionAlgorithmCreateFunc
 /// Bullet's worlds run actions right after they have integrated the transforms.
 struct LimitAction : btActionInterface
 {
-    explicit LimitAction(qcMeshBatch* batch) : batch(batch)
+    explicit LimitAction(qcMeshBatch* ofWorld) : batch(ofWorld)
     {
     }
 

@@ -129,16 +129,16 @@ qcStatus ForEach(const btCollisionWorld& world, const qcCastDef& def, size_t cou
     } loop{cast, std::vector<qcCastHit>(count)};
     auto function = [](size_t block, uint32_t, void* context)
     {
-        auto* loop = static_cast<Loop*>(context);
-        size_t end = std::min((block + 1) * s_blockSize, loop->found.size());
+        auto* running = static_cast<Loop*>(context);
+        size_t end = std::min((block + 1) * s_blockSize, running->found.size());
         try
         {
             for (size_t i = block * s_blockSize; i < end; i++)
-                loop->found[i] = loop->cast(i);
+                running->found[i] = running->cast(i);
         }
         catch (const std::bad_alloc&)
         {
-            loop->failed = true;
+            running->failed = true;
         }
     };
     bool threaded = dynamic_cast<const qcBroadphase*>(world.getBroadphase()) != nullptr;

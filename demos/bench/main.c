@@ -103,5 +103,5 @@ int main(int argumentCount, char** arguments)
     argp_err_exit_status = qc_exitUsage;
     argp_parse(&parser, argumentCount, arguments, ARGP_IN_ORDER, NULL, &choice);
     arguments[choice.first] = choice.benchmark->called;
-    return choice.benchmark->run(argumentCount - choice.first, arguments + choice.first);
+    return (int)choice.benchmark->run(argumentCount - choice.first, arguments + choice.first);
 }

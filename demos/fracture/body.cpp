@@ -91,10 +91,10 @@ bool qcReadFractureModel(const std::string& path, uint32_t triangleCount, btScal
 }
 
 qcFractureBody::qcFractureBody(const std::vector<btVector3>& vertices, const std::vector<uint32_t>& indices,
-                               uint32_t firstCutTriangle, btScalar mass, const btTransform& place)
+                               uint32_t firstOfCuts, btScalar mass, const btTransform& place)
     : shape(vertices.data(), qcBulletPositions, sizeof(btVector3), uint32_t(vertices.size()), indices.data(),
             uint32_t(indices.size() / 3)),
-      body(Material(mass, &shape, place)), firstCutTriangle(firstCutTriangle)
+      body(Material(mass, &shape, place)), firstCutTriangle(firstOfCuts)
 {
     shape.setMargin(s_margin);
 }

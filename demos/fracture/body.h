@@ -35,9 +35,9 @@ ATTRIBUTE_ALIGNED16(struct) qcFractureBody
 {
     BT_DECLARE_ALIGNED_ALLOCATOR();
 
-    /// Triangles from `firstCutTriangle` on are faces of cuts.
-    qcFractureBody(const std::vector<btVector3>& vertices, const std::vector<uint32_t>& indices,
-                   uint32_t firstCutTriangle, btScalar mass, const btTransform& place);
+    /// Triangles from `firstOfCuts` on are faces of cuts.
+    qcFractureBody(const std::vector<btVector3>& vertices, const std::vector<uint32_t>& indices, uint32_t firstOfCuts,
+                   btScalar mass, const btTransform& place);
 
     /// Collides as the convex hull of its vertices from now on.
     void UseHull();

@@ -24,8 +24,8 @@ int main()
     for (int i = 0; i < 100; i++) // ten towers
     {
         boxes.push_back(std::make_unique<btRigidBody>(btScalar(1), nullptr, &box, inertia));
-        boxes.back()->setWorldTransform(
-            btTransform(btQuaternion::getIdentity(), btVector3(btScalar(3 * (i % 10)), i / 10 + btScalar(0.5), 0)));
+        boxes.back()->setWorldTransform(btTransform(
+            btQuaternion::getIdentity(), btVector3(btScalar(3 * (i % 10)), btScalar(i / 10) + btScalar(0.5), 0)));
         world.addRigidBody(boxes.back().get());
     }
     btGhostPairCallback ghostPairs; // sensors work as before

@@ -9,14 +9,14 @@
 class qcRandom
 {
   public:
-    explicit qcRandom(uint32_t seed) : m_engine(seed)
+    explicit qcRandom(uint32_t randomSeed) : m_engine(randomSeed)
     {
     }
 
     /// Uniform in low..high.
     btScalar operator()(btScalar low, btScalar high)
     {
-        return low + (high - low) * btScalar(m_engine() * 0x1p-32);
+        return low + (high - low) * btScalar(double(m_engine()) * 0x1p-32);
     }
 
   private:

@@ -232,5 +232,5 @@ int main(int argumentCount, char** arguments)
     for (uint32_t i = 0; run.meshes != NULL && i < options.pathCount; ++i)
         qcMesh_Free(&run.meshes[i]);
     free(run.meshes);
-    return ending;
+    return (int)ending;
 }

@@ -70,7 +70,7 @@ static qcExitStatus Replay(const qcReplayOptions* options, qcRecording* recordin
     if (report.csv != NULL && !qcOutput_Commit(&output, message))
         return qc_exitFailed;
     if (ending == qc_exitDone && totals.isInterrupted)
-        return qc_exitSignal + qcInterrupt_Signal();
+        return (qcExitStatus)((int)qc_exitSignal + qcInterrupt_Signal());
     if (ending == qc_exitDone && totals.differing != 0)
     {
         qcMessage_Fail(message, "%llu of %zu results differ from the recorded ones",
@@ -116,5 +116,5 @@ int main(int argumentCount, char** arguments)
     fflush(stdout);
     if (message.text[0] != 0)
         fprintf(stderr, "qc-replay: %s\n", message.text);
-    return ending;
+    return (int)ending;
 }

@@ -15,13 +15,13 @@ enum
     {                                                                                                                  \
         Number low[qc_boundsRun], high[qc_boundsRun];                                                                  \
         size_t count = 3 * vertexCount, i = 0;                                                                         \
-        for (int k = 0; k < qc_boundsRun; k++)                                                                         \
+        for (size_t k = 0; k < qc_boundsRun; k++)                                                                      \
         {                                                                                                              \
             low[k] = limit;                                                                                            \
             high[k] = -limit;                                                                                          \
         }                                                                                                              \
         for (; i + qc_boundsRun <= count; i += qc_boundsRun)                                                           \
-            for (int k = 0; k < qc_boundsRun; k++)                                                                     \
+            for (size_t k = 0; k < qc_boundsRun; k++)                                                                  \
             {                                                                                                          \
                 low[k] = positions[i + k] < low[k] ? positions[i + k] : low[k];                                        \
                 high[k] = positions[i + k] > high[k] ? positions[i + k] : high[k];                                     \

@@ -100,10 +100,14 @@ static void FindNearFeatures(const qcFeaturePairs* pairs, qcFeatureMask near[qc_
         Ints far = {0};
         for (int i = 0; i < 3; i++)
         {
-            far |= IsCornerFar(a.corner[i], &b) & (1 << i);
-            far |= IsCornerFar(b.corner[i], &a) & (1 << (qc_nearCornersOfB + i));
+            const int32_t ofA = 1 << i, ofB = 1 << (qc_nearCornersOfB + i);
+            far |= IsCornerFar(a.corner[i], &b) & ofA;
+            far |= IsCornerFar(b.corner[i], &a) & ofB;
             for (int k = 0; k < 3; k++)
-                far |= AreEdgesFar(&a, i, &b, k, margin) & (1 << (qc_nearEdges + 3 * i + k));
+            {
+                const int32_t ofEdges = 1 << (qc_nearEdges + 3 * i + k);
+                far |= AreEdgesFar(&a, i, &b, k, margin) & ofEdges;
+            }
         }
         for (int lane = 0; lane < QC_LANES; lane++)
             near[at + lane] = (qcFeatureMask)(~far[lane] & 0x7fff);

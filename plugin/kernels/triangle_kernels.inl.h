@@ -84,7 +84,7 @@ static void FitBoxes(const qcBoxRow* children, size_t first, size_t end, qcBox8*
     for (size_t g = first; g < end; g++)
     {
         Shorts row[qc_boxLanes];
-        for (int i = 0; i < qc_boxLanes; i++)
+        for (size_t i = 0; i < qc_boxLanes; i++)
             row[i] = LoadRow(&children[g * qc_boxLanes + i]);
         Shorts around = StoreBox8(row, &boxes[g]);
         memcpy(&rows[g], &around, sizeof around);

@@ -75,7 +75,7 @@ static void FindAcrossBlock(void* context, size_t block, uint32_t worker)
     {
         const uint32_t* v = f->corners[slot].vertex;
         bool proper = v[0] != f->vertexCount && v[0] != v[1] && v[1] != v[2] && v[2] != v[0];
-        for (int c = 0; c < 3 && proper; c++)
+        for (size_t c = 0; c < 3 && proper; c++)
         {
             uint32_t u = v[c], w = v[(c + 1) % 3];
             if (across[3 * slot + c] != QC_NO_SLOT)
@@ -83,7 +83,7 @@ static void FindAcrossBlock(void* context, size_t block, uint32_t worker)
             uint32_t other = FindAcross(f->adjacency, f->corners, (uint32_t)slot, u, w);
             across[3 * slot + c] = other;
             // Each is the only other triangle of the other one's edge.
-            for (int k = 0; k < 3 && other >= first && other < end; k++)
+            for (size_t k = 0; k < 3 && other >= first && other < end; k++)
                 if (f->corners[other].vertex[k] == w)
                     across[3 * (size_t)other + k] = (uint32_t)slot;
         }

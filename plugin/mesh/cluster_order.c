@@ -83,7 +83,7 @@ static void FindScale(Order* o)
     for (int k = 0; k < 3; k++)
         o->low[k] = DBL_MAX;
     for (uint32_t v = 0; v < o->vertexCount; v++)
-        for (int k = 0; k < 3 && valences[v] != 0; k++)
+        for (size_t k = 0; k < 3 && valences[v] != 0; k++)
         {
             double x = o->positions[3 * (size_t)v + k];
             o->low[k] = x < o->low[k] ? x : o->low[k];

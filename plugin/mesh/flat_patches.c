@@ -31,7 +31,7 @@ typedef struct qcPatchBuilder
 {
     qcFlatPatches* patches;
     qcPatchSource source;
-    int size;
+    uint32_t size;
     qcWorkerResult result;
     qcArray slots, loops; ///< of these patches, as in qcFlatPatches
     qcArray patchOf;      ///< uint32_t by slot: the last patch that has the triangle
@@ -132,7 +132,7 @@ static bool TouchesBlock(const Builder* b, uint32_t slot)
 static qcStatus PushAcross(Builder* b, uint32_t slot)
 {
     QC_TRY(qcArray_Reserve(&b->queue, b->queue.count + 3, sizeof(uint32_t), "flat patches"));
-    for (int c = 0; c < 3; c++)
+    for (size_t c = 0; c < 3; c++)
     {
         uint32_t other = QC_AT(uint32_t, b->source.adjacency->across, 3 * (size_t)slot + c);
         if (other != QC_NO_SLOT && !IsInPatch(b, other))
@@ -344,7 +344,7 @@ qcStatus qcFlatPatches_Begin(qcFlatPatches* patches, qcPatchGrowth* growth, cons
     QC_TRY(qcArray_GrowZeroed(&patches->patches, (size_t)nodes + large, sizeof(qcFlatPatch), "flat patches"));
     QC_TRY(qcArray_GrowZeroed(&patches->own, qc_patchSizes * (size_t)nodes, sizeof(uint64_t), "flat patches"));
     QC_TRY(qcArray_GrowZeroed(&patches->links, source->clusters->links.count, sizeof(qcPatchLink), "flat patches"));
-    for (int size = 0; size < qc_patchSizes; size++)
+    for (uint32_t size = 0; size < qc_patchSizes; size++)
         QC_TRY(Reserve(&growth->builders[size], source));
     return qc_statusOk;
 }
@@ -355,7 +355,7 @@ qcStatus qcFlatPatches_Grow(qcFlatPatches* patches, qcPatchGrowth* growth, const
     uint32_t left = patches->nodeCount - growth->nextNode;
     uint32_t count = nodeCount < left ? (nodeCount + qc_patchNodes - 1) / qc_patchNodes * qc_patchNodes : left;
     uint32_t end = growth->nextNode + (count < left ? count : left);
-    for (int size = 0; size < qc_patchSizes; size++)
+    for (uint32_t size = 0; size < qc_patchSizes; size++)
     {
         Builder* b = &growth->builders[size];
         b->patches = patches;
@@ -367,16 +367,16 @@ qcStatus qcFlatPatches_Grow(qcFlatPatches* patches, qcPatchGrowth* growth, const
     // The two sizes in parallel: each writes to elements of its own.
     qcParallel_For(threads, qc_patchSizes, qc_patchSizes, GrowSize, growth->builders);
     growth->nextNode = end;
-    for (int size = 0; size < qc_patchSizes; size++)
+    for (uint32_t size = 0; size < qc_patchSizes; size++)
         QC_TRY(qcWorkerResult_Check(&growth->builders[size].result));
-    for (int size = 0; size < qc_patchSizes && end == patches->nodeCount; size++)
+    for (uint32_t size = 0; size < qc_patchSizes && end == patches->nodeCount; size++)
         QC_TRY(AddSize(patches, &growth->builders[size]));
     return qc_statusOk;
 }
 
 void qcPatchGrowth_Free(qcPatchGrowth* growth)
 {
-    for (int size = 0; size < qc_patchSizes && growth->builders != NULL; size++)
+    for (uint32_t size = 0; size < qc_patchSizes && growth->builders != NULL; size++)
         Free(&growth->builders[size]);
     qcFree(growth->builders, qc_patchSizes * sizeof(Builder));
     *growth = (qcPatchGrowth){.builders = NULL};

@@ -200,10 +200,10 @@ static qcStatus CheckDef(const qcBodyDef* def, uint32_t slot)
     if (!(def->margin >= 0.0))
         return qcFail(qc_statusBadInput, "body %u: the margin is %g; it must be 0 or more", slot, def->margin);
     for (uint32_t t = 0; t < def->triangleCount; t++)
-        for (int c = 0; c < 3; c++)
+        for (size_t c = 0; c < 3; c++)
             if (def->indices[3 * (size_t)t + c] >= def->vertexCount)
                 return qcFail(qc_statusBadInput,
-                              "triangle %u of body %u: corner %d has index %u, but there are %u vertices", t, slot, c,
+                              "triangle %u of body %u: corner %zu has index %u, but there are %u vertices", t, slot, c,
                               def->indices[3 * (size_t)t + c], def->vertexCount);
     return CheckTransform(slot, &def->transform);
 }

@@ -152,7 +152,7 @@ static void ReadSpacedFloats(const char* at, size_t stride, size_t count, double
     {
         float x[3];
         memcpy(x, at + stride * v, sizeof x);
-        for (int axis = 0; axis < 3; axis++)
+        for (size_t axis = 0; axis < 3; axis++)
             out[3 * v + axis] = (double)x[axis];
     }
 }

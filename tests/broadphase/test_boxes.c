@@ -255,7 +255,7 @@ START_TEST(a_step_shorter_than_the_spacing_of_floats_begins_and_ends_a_pair)
     for (int i = 0; i < 10; i++)
         qcModel_Add(model, (double[3]){10 * i, 0, 0}, (double[3]){10 * i + 0.1, 0.1, 0.1});
     qcModel_CheckChangedPairs(model);
-    for (int step = 0; step < 20; step++)
+    for (uint32_t step = 0; step < 20; step++)
     {
         // Next to the first one and a trillionth away from it in turns; in between a move that changes nothing.
         double apart = step / 2 % 2 == 0 ? 0.0 : 1e-12;

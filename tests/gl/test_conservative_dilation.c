@@ -260,7 +260,7 @@ START_TEST(triangles_within_the_dilation_of_one_point_hide_each_other_from_both_
             int shapes[2];
             for (int i = 0; i < 2; i++)
             {
-                shapes[i] = MakeNear(&random, axis, def.dilation, m, t[i]);
+                shapes[i] = (int)MakeNear(&random, axis, def.dilation, m, t[i]);
                 Store(t[i], corners + 9 * i);
             }
             def.corners = corners;

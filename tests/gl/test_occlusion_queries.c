@@ -366,7 +366,7 @@ static char StepOnCpu(DepthBuffer* buffer, const float* corners, const qcVisibil
 static void MakeSoup(uint64_t seed, float* corners, qcVisibilityStep* steps)
 {
     qcRandom random = {seed};
-    for (int t = 0; t < qc_soupSize; ++t)
+    for (size_t t = 0; t < qc_soupSize; ++t)
     {
         float* corner = corners + (size_t)9 * t;
         double center[3], area;

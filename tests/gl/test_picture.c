@@ -87,7 +87,7 @@ START_TEST(a_mesh_is_drawn_in_the_middle_and_background_in_the_corners)
         picture.def.background[2] = 0.001f;
         Draw(device, &picture);
         ck_assert_int_eq(Lead(Pixel(&picture, 45, 30)), 'r');
-        for (int corner = 0; corner < 4; ++corner)
+        for (uint32_t corner = 0; corner < 4; ++corner)
             ck_assert(IsBackground(&picture, Pixel(&picture, corner % 2 * 89, corner / 2 * 59)));
         free(picture.rgb);
     }

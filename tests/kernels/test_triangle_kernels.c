@@ -191,9 +191,9 @@ START_TEST(boxes_of_nodes_are_those_of_their_children)
         for (size_t g = first; g < end; g++)
         {
             Box around = EmptyBox();
-            for (int i = 0; i < qc_boxLanes; i++)
+            for (size_t i = 0; i < qc_boxLanes; i++)
             {
-                CheckBox(BoxAt(&fitted[g], i), boxes[g * qc_boxLanes + i], k->name, (size_t)i);
+                CheckBox(BoxAt(&fitted[g], (int)i), boxes[g * qc_boxLanes + i], k->name, i);
                 around = Around(around, boxes[g * qc_boxLanes + i]);
             }
             CheckBox(BoxOfRow(&rows[g]), around, k->name, g);

@@ -59,7 +59,7 @@ static qcSoup MakeBall(uint64_t seed, uint32_t level, double height)
     for (uint32_t v = 0; v < ball.vertexCount; v++)
     {
         double scale = 1.0 + qcRandom_Uniform(&random, 0.0, 0.002);
-        for (int axis = 0; axis < 3; axis++)
+        for (size_t axis = 0; axis < 3; axis++)
             ball.positions[3 * v + axis] *= scale;
     }
     qcSoup_Translate(&ball, 0.0, 0.0, 1.0 + height);
@@ -128,7 +128,7 @@ START_TEST(finer_triangles_give_no_more_points)
     size_t counts[2];
     for (uint32_t finer = 0; finer < 2; finer++)
     {
-        qcSoup ball = MakeBall(1, 5 + finer, 0.004), floor = qcMakeFloor(40 << finer, -0.5, -0.5, 1.0);
+        qcSoup ball = MakeBall(1, 5 + finer, 0.004), floor = qcMakeFloor(40u << finer, -0.5, -0.5, 1.0);
         Contact contact = MakeContact(&ball, &floor, 0.03);
         counts[finer] = Detect(&contact, (Query){0.08, false, 1})->manifoldPointCount;
         if (finer)

@@ -12,7 +12,7 @@ static double Dot(const double* a, const double* b)
 
 static void Weighted(const qcSoup* soup, const uint32_t vertices[3], const double weights[3], double out[3])
 {
-    for (int axis = 0; axis < 3; axis++)
+    for (size_t axis = 0; axis < 3; axis++)
     {
         out[axis] = 0.0;
         for (int i = 0; i < 3; i++)
@@ -35,7 +35,7 @@ static double SampledDistance(const qcSoup* soup, uint32_t vertex, uint32_t tria
                 double c = fmin(fmax(centreC + span * j / 6, 0.0), 1.0 - b);
                 double weights[3] = {1.0 - b - c, b, c}, point[3], d[3];
                 Weighted(soup, corner, weights, point);
-                for (int axis = 0; axis < 3; axis++)
+                for (size_t axis = 0; axis < 3; axis++)
                     d[axis] = point[axis] - soup->positions[3 * vertex + axis];
                 if (Dot(d, d) < best)
                 {
@@ -126,7 +126,7 @@ START_TEST(distance_normal_and_weights_agree_with_the_closest_points)
         {
             const uint32_t* v = side == 0 ? contact->verticesA : contact->verticesB;
             double along[3];
-            for (int axis = 0; axis < 3; axis++)
+            for (size_t axis = 0; axis < 3; axis++)
                 along[axis] = soup.positions[3 * v[1] + axis] - soup.positions[3 * v[0] + axis];
             ck_assert_double_eq_tol(Dot(d, along), 0.0, 1e-9);
         }

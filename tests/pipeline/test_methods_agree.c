@@ -176,7 +176,7 @@ START_TEST(rotated_rigid_bodies_have_the_pairs_of_their_transformed_vertices)
     for (uint32_t v = 0; v < moved.vertexCount; v++)
     {
         const double* p = soup.positions + 3 * v;
-        for (int axis = 0; axis < 3; axis++)
+        for (size_t axis = 0; axis < 3; axis++)
             moved.positions[3 * v + axis] = transform.linear[3 * axis] * p[0] + transform.linear[3 * axis + 1] * p[1] +
                                             transform.linear[3 * axis + 2] * p[2] + transform.translation[axis];
     }

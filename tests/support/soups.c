@@ -66,7 +66,7 @@ void qcSoup_Free(qcSoup* soup)
 
 void qcSoup_GetTriangle(const qcSoup* soup, uint32_t triangle, double corners[3][3])
 {
-    for (int i = 0; i < 3; ++i)
+    for (size_t i = 0; i < 3; ++i)
         memcpy(corners[i], soup->positions + 3 * (size_t)soup->indices[3 * (size_t)triangle + i], sizeof corners[i]);
 }
 
@@ -106,7 +106,7 @@ static void FillRandom(qcSoup* soup, qcRandom* random, double size)
         for (size_t i = 3 * (size_t)t; i < 3 * (size_t)t + 3; ++i)
         {
             soup->indices[i] = (uint32_t)i;
-            for (int axis = 0; axis < 3; ++axis)
+            for (size_t axis = 0; axis < 3; ++axis)
                 soup->positions[3 * i + axis] = centre[axis] + qcRandom_Uniform(random, -size, size);
         }
     }
@@ -256,7 +256,7 @@ static uint32_t GetMidpoint(Midpoints* midpoints, qcSoup* fine, uint32_t oldCoun
     midpoints->other[m - oldCount] = upper;
     midpoints->first[lower] = m;
     double* p = fine->positions + 3 * (size_t)m;
-    for (int axis = 0; axis < 3; ++axis)
+    for (size_t axis = 0; axis < 3; ++axis)
         p[axis] = fine->positions[3 * (size_t)a + axis] + fine->positions[3 * (size_t)b + axis];
     PushOntoSphere(p, radius);
     return m;

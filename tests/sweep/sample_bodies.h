@@ -84,7 +84,7 @@ static inline qcSoup qcMakeSoup(qcSoupKind kind, uint64_t seed)
             for (uint32_t v = 0; v < soup.vertexCount; v++)
             {
                 double at = kind == qc_soupLine ? qcRandom_Uniform(&random, 0.0, 1.0) : 0.25;
-                for (int axis = 0; axis < 3; axis++)
+                for (size_t axis = 0; axis < 3; axis++)
                     soup.positions[3 * v + axis] = axis == 1 ? 0.5 : at;
             }
             return soup;

@@ -86,7 +86,7 @@ static uint32_t TriangleAt(const qcTriangleBvh* s, size_t slot)
 static void CheckCorners(const qcTriangleBvh* s, const qcBody* body)
 {
     for (size_t slot = 0; slot < s->corners.count; slot++)
-        for (int c = 0; c < 3; c++)
+        for (size_t c = 0; c < 3; c++)
         {
             uint32_t vertex = QC_AT(qcCorners, s->corners, slot).vertex[c];
             if (TriangleAt(s, slot) == QC_NO_TRIANGLE)
@@ -94,14 +94,14 @@ static void CheckCorners(const qcTriangleBvh* s, const qcBody* body)
             else
                 CHECK_THAT(vertex < s->vertexCount && QC_AT(uint32_t, s->vertexOf, vertex) ==
                                                           body->indices[3 * (size_t)TriangleAt(s, slot) + c],
-                           "slot %zu, corner %d: vertex %u", slot, c, vertex);
+                           "slot %zu, corner %zu: vertex %u", slot, c, vertex);
         }
 }
 
 static void CheckPoints(const qcTriangleBvh* s, const qcBody* body)
 {
     for (uint32_t v = 0; v < s->vertexCount; v++)
-        for (int axis = 0; axis < 3; axis++)
+        for (size_t axis = 0; axis < 3; axis++)
         {
             // A difference of doubles times a power of two: 64 bits suffice.
             long double x = body->world[3 * (size_t)QC_AT(uint32_t, s->vertexOf, v) + axis];

@@ -113,7 +113,7 @@ START_TEST(nothing_leads_out_of_the_page)
 }
 END_TEST
 
-static int s_pictures;
+static unsigned s_pictures;
 
 static void Decode(const char* value, size_t length)
 {
@@ -143,7 +143,7 @@ START_TEST(every_picture_decodes_and_three_frames_stand_for_a_series)
     MakePage("");
     s_pictures = 0;
     ForEachValue("src", Decode);
-    ck_assert_int_eq(s_pictures, 3);
+    ck_assert_uint_eq(s_pictures, 3);
     ck_assert_uint_eq(Count("<video "), 1);
     ck_assert_uint_eq(Count("src=\"data:video/mp4;base64,bm8gZmlsbSwgYnV0IGJ5dGVz\""), 1);
     LeaveFolder();

@@ -118,7 +118,7 @@ static Pair MakeRandomPair(qcRandom* random, double motion, double scale, double
 START_TEST(no_pair_that_is_proven_meets)
 {
     static const double scales[] = {1.0, 0x1p-200, 0x1p200}, offsets[] = {0.0, 1.0e3, 1.0e6};
-    qcRandom random = {_i + 1};
+    qcRandom random = {(uint64_t)_i + 1};
     int whole = 0, parts = 0, met = 0, neither = 0;
     for (int i = 0; i < qc_pairCount; i++)
     {

@@ -148,21 +148,21 @@ void qcIntersectionCurves::Trace(const std::vector<qcPair>& pairs)
         edgesOfPair[m_pairEdges[e].pair].push_back(e);
     std::vector<int> sideOf(pairs.size(), -1); // the curve's side of the pair's first triangle
     std::vector<size_t> chain;
-    for (size_t seed = 0; seed < pairs.size(); seed++)
+    for (size_t first = 0; first < pairs.size(); first++)
     {
         // A pair without a crossing touches only, or its triangles lie in one plane.
-        if (sideOf[seed] >= 0 || edgesOfPair[seed].empty())
+        if (sideOf[first] >= 0 || edgesOfPair[first].empty())
             continue;
         m_curves.emplace_back();
         qcIntersectionCurve& curve = m_curves.back();
-        const uint32_t slots[2] = {pairs[seed].bodyA, pairs[seed].bodyB};
+        const uint32_t slots[2] = {pairs[first].bodyA, pairs[first].bodyB};
         for (int side = 0; side < 2; side++)
         {
             curve.sides[side].slot = slots[side];
             curve.sides[side].graph = m_graphs[slots[side]].get();
         }
-        sideOf[seed] = 0;
-        chain.assign(1, seed);
+        sideOf[first] = 0;
+        chain.assign(1, first);
         for (size_t next = 0; next < chain.size(); next++)
         {
             size_t pair = chain[next];

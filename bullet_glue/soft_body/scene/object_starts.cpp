@@ -17,7 +17,7 @@ bool IsDynamic(const btCollisionObject* object)
 /// Calls function(object) for each object of the broadphases that is not a soft body.
 template <typename Function> struct ObjectCallback : btBroadphaseAabbCallback
 {
-    explicit ObjectCallback(const Function& function) : function(function)
+    explicit ObjectCallback(const Function& called) : function(called)
     {
     }
 

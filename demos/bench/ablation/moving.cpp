@@ -160,23 +160,23 @@ qcAblationResult RunPile(const qcAblationMesh& mesh, btScalar spacing, unsigned 
 
 } // namespace
 
-qcAblationResult qcRunBoxPile(unsigned seed, const char* stage, unsigned steps)
+qcAblationResult qcRunBoxPile(unsigned randomSeed, const char* stage, unsigned steps)
 {
-    return RunPile(qcBoxOf(btScalar(0.3), 3), btScalar(0.55), seed, stage, steps);
+    return RunPile(qcBoxOf(btScalar(0.3), 3), btScalar(0.55), randomSeed, stage, steps);
 }
 
-qcAblationResult qcRunTorusPile(unsigned seed, const char* stage, unsigned steps)
+qcAblationResult qcRunTorusPile(unsigned randomSeed, const char* stage, unsigned steps)
 {
-    return RunPile(qcTorusOf(btScalar(0.2), btScalar(0.35)), btScalar(0.6), seed, stage, steps);
+    return RunPile(qcTorusOf(btScalar(0.2), btScalar(0.35)), btScalar(0.6), randomSeed, stage, steps);
 }
 
 // The pieces of a cube that falls on its edge; they touch all along their cuts from the start.
-qcAblationResult qcRunFracture(unsigned seed, const char* stage, unsigned steps)
+qcAblationResult qcRunFracture(unsigned randomSeed, const char* stage, unsigned steps)
 {
     World world;
     AddFloor(&world);
     btTransform place(btQuaternion(btVector3(0, 0, 1), btScalar(0.6)), btVector3(0, btScalar(1.2), 0));
-    for (const qcPiece& piece : qcBreakCube(1, 40, seed))
+    for (const qcPiece& piece : qcBreakCube(1, 40, randomSeed))
         world.Add({piece.vertices, piece.indices}, btScalar(piece.volume * 1000), place * piece.frame);
     return world.Run(stage, steps);
 }

@@ -88,7 +88,7 @@ class Boxes
     double Random(double from, double to)
     {
         // The engine's numbers are the same everywhere, a distribution's are not.
-        return from + (to - from) * (m_engine() / 4294967296.0);
+        return from + (to - from) * (double(m_engine()) / 4294967296.0);
     }
 
     void Enclose(uint32_t i)

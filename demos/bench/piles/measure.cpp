@@ -140,7 +140,7 @@ bool qcPilesRun::Step(std::string* message)
     if (!(state.speed <= s_restSpeed))
         m_figures.restSeconds = -1;
     else if (m_figures.restSeconds < 0)
-        m_figures.restSeconds = double(step * qcPilesWorld::stepSeconds);
+        m_figures.restSeconds = double(btScalar(step) * qcPilesWorld::stepSeconds);
     TakePlaces(step);
     if (step % s_depthInterval != 0 && step != m_steps)
         return true;

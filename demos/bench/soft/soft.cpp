@@ -125,7 +125,7 @@ void MeasureScrambled(Rows* rows)
             if (step == 16 || step == 32)
                 figures[ours][step / 16] = double(tangled);
         }
-        figures[ours][3] = last < s_tangleSteps ? last : NAN;
+        figures[ours][3] = last < s_tangleSteps ? double(last) : NAN;
         figures[ours][4] = time.Mean();
     }
     const char* const labels[] = {"pairs that penetrate at the start", "after 16 steps", "after 32 steps",
@@ -150,7 +150,7 @@ void MeasureRings(Rows* rows)
             time.Step(scene);
             last = scene.CountTangled() > 0 ? step : last;
         }
-        figures[ours][1] = last < s_ringSteps ? last : NAN;
+        figures[ours][1] = last < s_ringSteps ? double(last) : NAN;
         figures[ours][2] = start - double(scene.Height());
         figures[ours][3] = time.Mean();
     }

@@ -60,8 +60,8 @@ class qcScrambledScene
 {
   public:
     /// `ours`: in a qcDeformableWorld; otherwise in Bullet's own. `cells` along an edge, of five tetrahedra each.
-    /// `seed`: of the places.
-    explicit qcScrambledScene(bool ours, int cells = 5, unsigned seed = 1)
+    /// `randomSeed`: of the places.
+    explicit qcScrambledScene(bool ours, int cells = 5, unsigned randomSeed = 1)
     {
         solver.setDeformableSolver(&deformableSolver);
         if (ours)
@@ -76,7 +76,7 @@ class qcScrambledScene
         world->addSoftBody(cube);
         world->addForce(cube, &elasticity);
         // After the rest shape was computed.
-        std::minstd_rand random(seed);
+        std::minstd_rand random(randomSeed);
         std::uniform_real_distribution<double> place(-1, 1);
         for (int i = 0; i < cube->m_nodes.size(); i++)
             for (int axis = 0; axis < 3; axis++)

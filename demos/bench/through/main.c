@@ -6,5 +6,5 @@
 int main(int argumentCount, char** arguments)
 {
     argp_err_exit_status = qc_exitUsage;
-    return qcBench_RunThrough(argumentCount, arguments);
+    return (int)qcBench_RunThrough(argumentCount, arguments);
 }

@@ -22,7 +22,7 @@
 class qcJitter
 {
   public:
-    explicit qcJitter(unsigned seed) : m_random(seed + 1)
+    explicit qcJitter(unsigned randomSeed) : m_random(randomSeed + 1)
     {
     }
     /// In -1..1.

@@ -6,7 +6,7 @@ namespace
 /// Counts the triangles above a point.
 struct CountAbove : btTriangleCallback
 {
-    explicit CountAbove(const btVector3& point) : point(point)
+    explicit CountAbove(const btVector3& below) : point(below)
     {
     }
 

@@ -72,7 +72,7 @@ bool qcMeshParser_PushVertex(qcMeshParser* parser, const double position[3])
     if (!qcMeshParser_ReserveVertices(parser, (size_t)mesh->vertexCount + 1))
         return false;
     size_t first = 3 * (size_t)mesh->vertexCount;
-    for (int axis = 0; axis < 3; ++axis)
+    for (size_t axis = 0; axis < 3; ++axis)
     {
         if (mesh->isDouble)
             ((double*)mesh->positions)[first + axis] = position[axis];

@@ -201,7 +201,7 @@ static qcStatus UploadLocals(qcGpuResidency* residency, qcBodyResidency* residen
 {
     double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY}, half = 0.0;
     for (size_t i = 0; i < 3 * (size_t)body->triangleCount; i++)
-        for (int axis = 0; axis < 3; axis++)
+        for (size_t axis = 0; axis < 3; axis++)
         {
             double x = body->local[3 * (size_t)body->indices[i] + axis];
             lower[axis] = fmin(lower[axis], x);
@@ -221,7 +221,7 @@ static qcStatus UploadLocals(qcGpuResidency* residency, qcBodyResidency* residen
     Vertex* staged = Stage(&residency->locals, body->vertexCount, sizeof(Vertex));
     for (uint32_t v = 0; v < body->vertexCount; v++)
     {
-        for (int axis = 0; axis < 3; axis++)
+        for (size_t axis = 0; axis < 3; axis++)
             staged[v].x[axis] = (float)((body->local[3 * (size_t)v + axis] - resident->center[axis]) * unit);
         staged[v].body = slot;
     }
@@ -252,7 +252,7 @@ static qcStatus UploadTopology(qcGpuResidency* residency, qcBodyResidency* resid
     for (size_t i = 0; i < (size_t)nodeCount * qc_nodeSize; i++)
     {
         uint32_t t = QC_AT(uint32_t, clusters->triangles, i);
-        for (int c = 0; c < 3; c++)
+        for (size_t c = 0; c < 3; c++)
             triangles[i][c] =
                 t == QC_NO_TRIANGLE ? QC_NO_TRIANGLE : resident->firstVertex + body->indices[3 * (size_t)t + c];
         triangles[i][3] = 0;

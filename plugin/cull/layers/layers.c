@@ -127,7 +127,7 @@ static qcStatus MapPairs(const Step* step, const qcLayersAnswer* answer, qcArray
     for (size_t i = 0; i < answer->pairCount; i++)
     {
         uint32_t global[2];
-        for (int side = 0; side < 2; side++)
+        for (size_t side = 0; side < 2; side++)
         {
             uint32_t slot, triangle = qcGpuResidency_TriangleAt(&cull->residency, answer->pairs[2 * i + side], &slot);
             global[side] = qcStepTriangles_First(t, QC_AT(uint32_t, cull->bodyOf, slot)) + triangle;

@@ -41,12 +41,12 @@ typedef enum List
     list_count
 } List;
 
-static const qcLayersWork s_lists[list_count] = {qc_workEntries, qc_workNodePairs, qc_workResults};
+static const int s_lists[list_count] = {qc_workEntries, qc_workNodePairs, qc_workResults};
 /// Room in a list's buffer that is none of the list's: for the item that doesn't fit, and for the counters.
 static const uint32_t s_reserved[list_count] = {1, 1, 1 + qc_counterWords / 2};
 
-static const qcLayersPart s_kernelParts[qc_kernelCount] = {qc_partVertices, qc_partBoxes,     qc_partNodes,
-                                                           qc_partNodes,    qc_partNodePairs, qc_partTrianglePairs};
+static const int s_kernelParts[qc_kernelCount] = {qc_partVertices, qc_partBoxes,     qc_partNodes,
+                                                  qc_partNodes,    qc_partNodePairs, qc_partTrianglePairs};
 
 /// A counter as the kernels define it (common.glsl), on a cache line of its own.
 typedef struct Counter

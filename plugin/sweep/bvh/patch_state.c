@@ -163,7 +163,7 @@ int qcPatchState_FindExclusions(const qcPatchState* state, const qcPatchFlags* f
     const uint64_t* own = patches->own.data;
     uint32_t other = QC_AT(qcLeafLink, clusters->links, link).other;
     int count = 0;
-    for (int size = 0; size < qc_patchSizes; size++)
+    for (size_t size = 0; size < qc_patchSizes; size++)
     {
         uint32_t patch = size == 0 ? node : qcFlatPatches_Large(patches, node),
                  patchOfOther = size == 0 ? other : qcFlatPatches_Large(patches, other);

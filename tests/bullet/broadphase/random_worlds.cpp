@@ -185,8 +185,8 @@ void qcRandomWorld::AddSomething()
     }
 }
 
-qcRandomWorld::qcRandomWorld(uint64_t seed, qcWorldKind kind, btBroadphaseInterface* broadphase)
-    : world(kind, broadphase), m_random{seed}
+qcRandomWorld::qcRandomWorld(uint64_t randomSeed, qcWorldKind kind, btBroadphaseInterface* broadphase)
+    : world(kind, broadphase), m_random{randomSeed}
 {
     // With and without boxes set for objects at rest.
     world.world->setForceUpdateAllAabbs(Below(3) != 0);

@@ -54,13 +54,13 @@ START_TEST(random_worlds_hold_the_pairs_of_brute_force_hit_as_on_btDbvtBroadphas
     const int worlds = CountWorlds(12);
     size_t pairs = 0, hits = 0;
     uint64_t motion = 0;
-    for (int seed = 1; seed <= worlds; seed++)
+    for (int number = 1; number <= worlds; number++)
     {
-        const Life first = LiveThrough(seed), second = LiveThrough(seed);
+        const Life first = LiveThrough(number), second = LiveThrough(number);
         for (size_t step = 0; step < qc_steps; step++)
             if (first.steps[step] != second.steps[step])
-                ck_abort_msg("world %d (%s) moves differently in step %d", seed, qcWorldKindNames[int(KindOf(seed))],
-                             int(step));
+                ck_abort_msg("world %d (%s) moves differently in step %d", number,
+                             qcWorldKindNames[int(KindOf(number))], int(step));
         CHECK_QUICKLY(first.order == second.order);
         for (uint64_t step : first.steps)
             motion = motion * 0x100000001b3ULL ^ step;

@@ -78,7 +78,7 @@ void CheckPieces(const qcFractureDef& def, const qcFracture& fracture, double vo
                       Excess(def, piece));
         ck_assert_uint_le(3 * size_t(piece.firstCutTriangle), piece.indices.size());
         sum += double(piece.volume);
-        first += piece.frame.getOrigin() * piece.volume;
+        first += piece.frame.getOrigin() * btScalar(piece.volume);
     }
     ck_assert_double_eq_tol(double(fracture.volume), volume, volume * s_rounding);
     ck_assert_double_eq_tol(sum + double(fracture.lostVolume), volume, volume * 4 * s_rounding);
@@ -144,7 +144,7 @@ START_TEST(cuts_through_vertices_and_along_faces_are_closed)
     CheckPieces(box, qcFracture_Split(box), 8, "lattice");
     box.sites.clear();
     for (int i = 0; i < 8; i++)
-        box.sites.push_back(btVector3(i & 1 ? 2 : 0, i & 2 ? 2 : 0, i & 4 ? 2 : 0));
+        box.sites.push_back(btVector3(btScalar(i & 1) * 2, btScalar(i & 2), btScalar(i & 4) / 2));
     qcFracture whole = qcFracture_Split(box);
     CheckPieces(box, whole, 8, "faces");
     ck_assert_uint_eq(whole.pieces.size(), 1);
@@ -180,7 +180,7 @@ START_TEST(triangles_back_to_back_are_dropped)
 {
     qcFractureDef box = qcBoxToBreak(1, 1, 1);
     box.vertices.push_back(btVector3(2, 2, 2));
-    for (uint32_t index : {1, 7, 8, 7, 1, 8})
+    for (uint32_t index : {1u, 7u, 8u, 7u, 1u, 8u})
         box.indices.push_back(index);
     qcScatterInside(&box, 30, 2);
     qcFracture fracture = qcFracture_Split(box);
@@ -203,7 +203,7 @@ START_TEST(hollows_make_holes_in_cuts)
         for (const btVector3& vertex : hollow.vertices)
             def.vertices.push_back(vertex + place);
     }
-    for (uint32_t count : {3, 20, 150})
+    for (uint32_t count : {3u, 20u, 150u})
     {
         qcScatterInside(&def, count, count);
         CheckPieces(def, qcFracture_Split(def), 8 - 27 * 0.008, "hollows");

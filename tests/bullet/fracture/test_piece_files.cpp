@@ -145,12 +145,12 @@ START_TEST(a_file_with_any_byte_changed_is_refused)
 {
     std::vector<unsigned char> bytes = SavedBytes();
     for (size_t i = 0; i < bytes.size(); i++)
-        for (unsigned char flip : {0x01, 0x80, 0xff})
+        for (int flip : {0x01, 0x80, 0xff})
         {
-            bytes[i] ^= flip;
+            bytes[i] = (unsigned char)(bytes[i] ^ flip);
             WriteBytes(bytes);
             RefusedMessage();
-            bytes[i] ^= flip;
+            bytes[i] = (unsigned char)(bytes[i] ^ flip);
         }
     std::remove(s_path.c_str());
 }

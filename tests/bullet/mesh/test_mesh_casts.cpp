@@ -53,7 +53,7 @@ struct CastOfAll : btTriangleConvexcastCallback
 /// A sweep's result that keeps all hits, and returns what a callback may return.
 struct AllResults : btCollisionWorld::ConvexResultCallback
 {
-    explicit AllResults(btScalar result) : result(result)
+    explicit AllResults(btScalar returned) : result(returned)
     {
     }
 

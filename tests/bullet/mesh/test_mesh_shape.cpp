@@ -29,7 +29,7 @@ struct Collector : btTriangleCallback
     const qcModel* model;
     std::set<int> triangles;
 
-    explicit Collector(const qcModel* model) : model(model)
+    explicit Collector(const qcModel* expected) : model(expected)
     {
     }
 

@@ -72,8 +72,10 @@ template <class DeformableWorld> struct World : qcDeformableTestWorld<Deformable
 
     btSoftBody* AddUprightCloth(int side)
     {
-        return AddCloth(btVector3(-0.5, 0.05, 0), btVector3(0.5, 0.05, 0.02), btVector3(-0.5, 1.05, 0.03),
-                        btVector3(0.5, 1.05, -0.02), side);
+        return AddCloth(btVector3(btScalar(-0.5), btScalar(0.05), 0),
+                        btVector3(btScalar(0.5), btScalar(0.05), btScalar(0.02)),
+                        btVector3(btScalar(-0.5), btScalar(1.05), btScalar(0.03)),
+                        btVector3(btScalar(0.5), btScalar(1.05), btScalar(-0.02)), side);
     }
 
     btSoftBody* AddSheet(btScalar y, btScalar turn, int side)

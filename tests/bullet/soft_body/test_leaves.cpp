@@ -87,9 +87,9 @@ std::vector<float> PositionsAfter(uint32_t seed, uint32_t threads, int steps)
 
 START_TEST(a_tree_is_made_of_closed_tubes_that_face_outwards)
 {
-    for (uint32_t seed = 1; seed <= 3; seed++)
+    for (uint32_t randomSeed = 1; randomSeed <= 3; randomSeed++)
     {
-        qcTree tree = qcGrowTree(seed);
+        qcTree tree = qcGrowTree(randomSeed);
         std::map<std::pair<uint32_t, uint32_t>, int> uses;
         double volume = 0;
         for (size_t i = 0; i < tree.indices.size(); i += 3)
@@ -101,7 +101,7 @@ START_TEST(a_tree_is_made_of_closed_tubes_that_face_outwards)
         }
         for (const auto& edge : uses)
             ck_assert_msg(edge.second == 1 && uses.count({edge.first.second, edge.first.first}) == 1,
-                          "seed %u: edge %u, %u", seed, edge.first.first, edge.first.second);
+                          "seed %u: edge %u, %u", randomSeed, edge.first.first, edge.first.second);
         // A trunk of 2 m with a mean radius of 6 cm, and its branches.
         ck_assert_double_gt(volume, 0.02);
         ck_assert_double_lt(volume, 0.08);

@@ -54,8 +54,10 @@ struct World : qcSoftWorld
     /// A cloth hanging upright over the floor: it falls into a heap of folds.
     btSoftBody* AddUprightCloth(int side)
     {
-        return AddCloth(btVector3(-0.5, 0.05, 0), btVector3(0.5, 0.05, 0.02), btVector3(-0.5, 1.05, 0.03),
-                        btVector3(0.5, 1.05, -0.02), side);
+        return AddCloth(btVector3(btScalar(-0.5), btScalar(0.05), 0),
+                        btVector3(btScalar(0.5), btScalar(0.05), btScalar(0.02)),
+                        btVector3(btScalar(-0.5), btScalar(1.05), btScalar(0.03)),
+                        btVector3(btScalar(0.5), btScalar(1.05), btScalar(-0.02)), side);
     }
 
     void Step()
@@ -338,8 +340,8 @@ START_TEST(a_face_with_one_free_corner_is_not_thrown_away)
     for (int i = 0; i < 3; i++)
         pinned->setMass(i, 0);
     btScalar y = btScalar(1.03);
-    world.AddCloth(btVector3(-0.9, y, -0.9), btVector3(-0.6, y, -0.9), btVector3(-0.9, y, -0.6),
-                   btVector3(-0.6, y, -0.6), 4);
+    world.AddCloth(btVector3(btScalar(-0.9), y, btScalar(-0.9)), btVector3(btScalar(-0.6), y, btScalar(-0.9)),
+                   btVector3(btScalar(-0.9), y, btScalar(-0.6)), btVector3(btScalar(-0.6), y, btScalar(-0.6)), 4);
     int contacts = 0;
     for (int i = 0; i < 60; i++)
     {

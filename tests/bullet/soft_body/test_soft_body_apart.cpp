@@ -111,9 +111,9 @@ END_TEST
 #endif
 
 /// Adds the last step after which something is tangled, of ours and of Bullet's.
-static void RunScrambled(unsigned seed, int* oursLast, int* bulletsLast)
+static void RunScrambled(unsigned randomSeed, int* oursLast, int* bulletsLast)
 {
-    qcScrambledScene ours(true, 5, seed), bullets(false, 5, seed);
+    qcScrambledScene ours(true, 5, randomSeed), bullets(false, 5, randomSeed);
     size_t start = ours.CountTangled();
     ck_assert_uint_gt(start, 10000);
     ck_assert_uint_eq(start, bullets.CountTangled());
@@ -138,8 +138,8 @@ START_TEST(scrambled_bodies_recover_no_later_than_in_bullet)
 {
     // Single starts differ by ten steps either way.
     int oursLast = 0, bulletsLast = 0;
-    for (unsigned seed = 1; seed <= 3; seed++)
-        RunScrambled(seed, &oursLast, &bulletsLast);
+    for (unsigned randomSeed = 1; randomSeed <= 3; randomSeed++)
+        RunScrambled(randomSeed, &oursLast, &bulletsLast);
     ck_assert_int_le(oursLast, bulletsLast);
 }
 END_TEST

@@ -104,9 +104,9 @@ struct BetweenWorld
         btVector3 inertia(0, 0, 0);
         if (mass > 0)
             shapes.back()->calculateLocalInertia(mass, inertia);
-        btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shapes.back().get(), inertia);
-        info.m_startWorldTransform = at;
-        bodies.emplace_back(new btRigidBody(info));
+        btRigidBody::btRigidBodyConstructionInfo bodyInfo(mass, nullptr, shapes.back().get(), inertia);
+        bodyInfo.m_startWorldTransform = at;
+        bodies.emplace_back(new btRigidBody(bodyInfo));
         bodies.back()->setLinearVelocity(btVector3(0, speed, 0));
         world->addRigidBody(bodies.back().get());
         oracle.Add(shapes.back().get(), bodies.back().get());
