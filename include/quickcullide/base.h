@@ -50,7 +50,8 @@ typedef enum qcStatus
     qc_statusDevice = 2,
     /// An allocation failed.
     qc_statusOutOfMemory = 3,
-    /// The GL context of the device is lost, for example after a GPU reset; qcDevice_Reopen opens a new one.
+    /// The GL context of the device is lost, for example after a GPU reset; a new one opens by itself, see
+    /// qcDeviceDef::reopenSeconds, or by qcDevice_Reopen.
     qc_statusDeviceLost = 4,
     /// A file could not be created, written or read, or it is damaged; qcLastMessage names it and the place.
     qc_statusFile = 5,

@@ -58,6 +58,12 @@ typedef struct qcDeviceDef
     /// without it a loss is noticed late or never.
     void* shareContext;
     void* shareDisplay; ///< the EGLDisplay of shareContext; null for an OSMesaContext
+    /// A lost device is opened again by itself: seconds from the loss to the first attempt. Each failure, and each loss
+    /// that soon follows, doubles the pause, up to 64 times the first. Attempts begin with a call that uses the device
+    /// and take place on its thread, while scenes are answered by the CPU and other calls return qc_statusDeviceLost.
+    /// Only the same GPU and driver are taken, and never with shareContext. 0, the default: 5 seconds; below 0: only
+    /// qcDevice_Reopen opens the device again.
+    double reopenSeconds;
 } qcDeviceDef;
 
 /// The default definition: kind auto, any GPU, no sharing.
@@ -71,10 +77,11 @@ static inline qcDeviceDef qcDefaultDeviceDef(void)
     def.gpuUuid = NULL;
     def.shareContext = NULL;
     def.shareDisplay = NULL;
+    def.reopenSeconds = 0.0;
     return def;
 }
 
-/// The properties of an open device. Strings are valid until the device is reopened or destroyed.
+/// The properties of an open device. Strings are valid until qcDevice_Reopen or qcDevice_Destroy.
 typedef struct qcDeviceInfo
 {
     qcDeviceKind kind;      ///< the kind that was opened; never qc_deviceAuto
@@ -85,8 +92,8 @@ typedef struct qcDeviceInfo
     uint32_t maxResolution; ///< pixels on a side of the largest square image; 0 for none
     bool software;          ///< the renderer runs on the CPU
     bool compute;           ///< compute shaders (GL 4.3), which the method `layers` requires
-    /// The GL context is lost: calls that need it return qc_statusDeviceLost until the device is reopened, and the
-    /// methods auto and `layers` run on the CPU.
+    /// The GL context is lost: calls that need it return qc_statusDeviceLost until the device is reopened (see
+    /// qcDeviceDef::reopenSeconds), and the methods auto and `layers` run on the CPU.
     bool lost;
     uint8_t uuid[16]; ///< GL_DEVICE_UUID_EXT, equal to Vulkan's and CUDA's UUID of the GPU; zeros: not reported
 } qcDeviceInfo;

@@ -4,11 +4,14 @@
 #define _POSIX_C_SOURCE 200809L
 #include "gl/device.h"
 
+#include "base/clock.h"
 #include "base/definition.h"
 #include "base/float_mode.h"
 #include "gl/context.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "gl/device_def.h"
+#include "gl/reopening.h"
 
 #include <assert.h>
 #include <math.h>
@@ -42,6 +45,7 @@ typedef enum TurnState
     turn_idle,
     turn_posted, ///< the thread has a job to do
     turn_done,   ///< the caller has a result to fetch
+    turn_reopen, ///< the thread opens a new context in place of the lost one; nobody waits
     turn_quit
 } TurnState;
 
@@ -54,6 +58,7 @@ struct qcDevice
     struct qcGlPrograms programs;
     qcGpuIdentity gpu;
     uint32_t maxResolution;
+    bool compute;
 
     pid_t process;           ///< the process of the thread: a child process has a copy of the device without it
     pthread_t thread;        ///< runs while the device is open
@@ -64,6 +69,8 @@ struct qcDevice
     pthread_cond_t changed;
     bool open, lost;
     uint32_t generation; ///< number of contexts opened
+    qcReopening reopening;
+    uint32_t holders; ///< the context is not closed while there are any
     TurnState turn;
     qcDeviceJob* job;
     void* jobContext;
@@ -110,21 +117,33 @@ static void ReadLimits(qcDevice* device)
     if (smallest > renderbufferSize)
         smallest = renderbufferSize;
     device->maxResolution = smallest > 0 ? (uint32_t)smallest : 0;
+    device->compute = gl->DispatchCompute != NULL;
 }
 
-static qcStatus OpenContext(qcDevice* device)
+/// Opens a context and finds its identity. On failure none is open.
+static qcStatus OpenContext(qcDevice* device, qcGpuIdentity* gpu)
 {
     QC_TRY(s_kinds[device->kind].open(&device->choice, &device->context));
     device->gl = (struct qcGlFunctions){.programs = &device->programs};
     device->programs = (struct qcGlPrograms){0};
     qcStatus status = qcGlFunctions_Load(&device->gl, device->context.getFunction);
     if (status == qc_statusOk)
-        status = qcContext_Identify(&device->context, &device->gpu);
-    if (status == qc_statusOk)
-        ReadLimits(device);
-    else
+        status = qcContext_Identify(&device->context, gpu);
+    if (status != qc_statusOk)
         s_kinds[device->kind].close(&device->context);
     return status;
+}
+
+/// A context in place of one that is closed, on the same GPU: the host may hold strings of qcDeviceInfo.
+static qcStatus OpenSameContext(qcDevice* device)
+{
+    qcGpuIdentity gpu = {.software = false};
+    QC_TRY(OpenContext(device, &gpu));
+    if (strcmp(gpu.renderer, device->gpu.renderer) == 0 && strcmp(gpu.version, device->gpu.version) == 0 &&
+        strcmp(gpu.vendor, device->gpu.vendor) == 0 && memcmp(gpu.uuid, device->gpu.uuid, sizeof gpu.uuid) == 0)
+        return qc_statusOk;
+    s_kinds[device->kind].close(&device->context);
+    return qcFail(qc_statusDevice, "in place of %s there is %s", device->gpu.renderer, gpu.renderer);
 }
 
 static qcStatus FailLost(const char* purpose)
@@ -132,12 +151,10 @@ static qcStatus FailLost(const char* purpose)
     return qcFail(qc_statusDeviceLost, "%s: the GL context is lost", purpose);
 }
 
-/// Runs the posted job. `lost`: whether the context is lost, in and out.
+/// Runs the posted job. `lost`: whether the context is lost afterwards.
 static qcStatus RunJob(qcDevice* device, bool* lost)
 {
     const struct qcGlFunctions* gl = &device->gl;
-    if (*lost)
-        return FailLost(device->purpose);
     qcStatus status = device->job(gl, device->jobContext);
     qcGlFunctions_ResetState(gl);
 
@@ -168,15 +185,59 @@ static void PostResult(qcDevice* device, qcStatus status)
     pthread_cond_broadcast(&device->changed);
 }
 
+/// Opens a new context in place of the lost one. The device's mutex is held, but not meanwhile. `hasContext`: whether
+/// one is open, in and out.
+static void ReopenLost(qcDevice* device, bool* hasContext)
+{
+    pthread_mutex_unlock(&device->mutex);
+    if (*hasContext)
+        s_kinds[device->kind].close(&device->context);
+    qcStatus status = OpenSameContext(device);
+    if (status == qc_statusOk)
+        qcLog("device %s: opened again after its context was lost", s_kinds[device->kind].name);
+    else
+        qcLog("device %s: not opened again: %s", s_kinds[device->kind].name, qcLastMessage());
+    pthread_mutex_lock(&device->mutex);
+    *hasContext = status == qc_statusOk;
+    if (*hasContext)
+    {
+        // The device may be closing.
+        device->lost = !device->open;
+        ++device->generation;
+        qcReopening_Succeed(&device->reopening, qcClock_Now());
+    }
+    else
+        qcReopening_Fail(&device->reopening, qcClock_Now());
+    if (device->turn == turn_reopen)
+        device->turn = turn_idle;
+}
+
+/// Runs the posted job. The device's mutex is held, but not meanwhile.
+static void RunTurn(qcDevice* device)
+{
+    bool lost = false;
+    pthread_mutex_unlock(&device->mutex);
+    qcStatus status = RunJob(device, &lost);
+    pthread_mutex_lock(&device->mutex);
+    if (lost)
+        qcReopening_Fail(&device->reopening, qcClock_Now());
+    device->lost = lost;
+    PostResult(device, status);
+}
+
 static void* ServeCallers(void* argument)
 {
     qcDevice* device = argument;
     // A thread inherits the floating-point mode of its creator.
     (void)qcFloatMode_Begin();
-    qcStatus opened = OpenContext(device);
+    qcStatus opened = OpenContext(device, &device->gpu);
+    bool hasContext = opened == qc_statusOk;
+    if (hasContext)
+        ReadLimits(device);
     pthread_mutex_lock(&device->mutex);
-    if (opened == qc_statusOk)
+    if (hasContext)
     {
+        device->reopening = qcReopening_Begin(device->reopening.firstPause, qcClock_Now());
         device->open = true;
         device->lost = false;
         ++device->generation;
@@ -184,19 +245,17 @@ static void* ServeCallers(void* argument)
     PostResult(device, opened);
     while (opened == qc_statusOk)
     {
-        while (device->turn != turn_posted && device->turn != turn_quit)
+        while (device->turn != turn_posted && device->turn != turn_reopen && device->turn != turn_quit)
             pthread_cond_wait(&device->changed, &device->mutex);
         if (device->turn == turn_quit)
             break;
-        bool lost = device->lost;
-        pthread_mutex_unlock(&device->mutex);
-        qcStatus status = RunJob(device, &lost);
-        pthread_mutex_lock(&device->mutex);
-        device->lost = lost;
-        PostResult(device, status);
+        if (device->turn == turn_reopen)
+            ReopenLost(device, &hasContext);
+        else
+            RunTurn(device);
     }
     pthread_mutex_unlock(&device->mutex);
-    if (opened == qc_statusOk)
+    if (hasContext)
         s_kinds[device->kind].close(&device->context);
     return NULL;
 }
@@ -282,53 +341,6 @@ static void FreeDevice(qcDevice* device)
     qcFree(device, sizeof *device);
 }
 
-/// The kinds that can share the context, if the definition gives one.
-static qcStatus CheckShare(const qcDeviceDef* def, bool gpuChosen)
-{
-    if (def->shareContext == NULL)
-        return def->shareDisplay == NULL
-                   ? qc_statusOk
-                   : qcFail(qc_statusBadInput, "qcDevice_Create: def->shareDisplay without def->shareContext");
-    if (gpuChosen)
-        return qcFail(qc_statusBadInput, "qcDevice_Create: def->shareContext has a GPU; def must choose none");
-    if (def->kind == qc_deviceNone)
-        return qcFail(qc_statusBadInput, "qcDevice_Create: the device none shares no context");
-    if (def->shareDisplay == NULL && def->kind != qc_deviceAuto && def->kind != qc_deviceOsmesa)
-        return qcFail(qc_statusBadInput, "qcDevice_Create: def->shareContext needs def->shareDisplay for kind %s",
-                      s_kinds[def->kind].name);
-    if (def->shareDisplay != NULL && def->kind == qc_deviceOsmesa)
-        return qcFail(qc_statusBadInput, "qcDevice_Create: kind osmesa shares no context of an EGLDisplay");
-    return qc_statusOk;
-}
-
-static qcStatus CheckDef(const qcDeviceDef* def)
-{
-    if ((unsigned)def->kind > qc_deviceNone)
-        return qcFail(qc_statusBadInput, "qcDevice_Create: def->kind is %d", (int)def->kind);
-    if (def->gpuIndex < -1)
-        return qcFail(qc_statusBadInput, "qcDevice_Create: def->gpuIndex is %d", (int)def->gpuIndex);
-    if (def->gpuName != NULL && strlen(def->gpuName) >= sizeof((qcGpuChoice*)NULL)->name)
-        return qcFail(qc_statusBadInput, "qcDevice_Create: def->gpuName has %zu bytes, more than 127",
-                      strlen(def->gpuName));
-    bool chosen = def->gpuIndex >= 0 || (def->gpuName != NULL && def->gpuName[0] != 0) || def->gpuUuid != NULL;
-    if (chosen && def->kind != qc_deviceEgl)
-        return qcFail(qc_statusBadInput, "qcDevice_Create: def chooses a GPU, for kind egl alone; def->kind is %s",
-                      s_kinds[def->kind].name);
-    return CheckShare(def, chosen);
-}
-
-static void KeepChoice(qcDevice* device, const qcDeviceDef* def)
-{
-    device->choice = (qcGpuChoice){.index = def->gpuIndex,
-                                   .hasUuid = def->gpuUuid != NULL,
-                                   .shareDisplay = def->shareDisplay,
-                                   .shareContext = def->shareContext};
-    if (def->gpuName != NULL)
-        snprintf(device->choice.name, sizeof device->choice.name, "%s", def->gpuName);
-    if (def->gpuUuid != NULL)
-        memcpy(device->choice.uuid, def->gpuUuid, sizeof device->choice.uuid);
-}
-
 /// Whether the environment names one of Mesa's drivers. EGL uses both variables; OSMesa ignores the second and accepts
 /// two values of the first.
 static bool IsDriverNamed(void)
@@ -362,7 +374,7 @@ qcStatus qcDevice_Create(const qcDeviceDef* given, qcDevice** result)
         return qcFail(qc_statusBadInput, "qcDevice_Create: %s is null", given == NULL ? "def" : "device");
     qcDeviceDef def = qcDefaultDeviceDef();
     QC_TRY(qcDef_Take(given, QC_DEF_LAYOUT("qcDevice_Create", qcDeviceDef, kind), &def));
-    QC_TRY(CheckDef(&def));
+    QC_TRY(qcDeviceDef_Check(&def, (unsigned)def.kind <= qc_deviceNone ? s_kinds[def.kind].name : NULL));
     qcDevice* device = qcAllocateZeroed(sizeof *device);
     if (device == NULL)
         return qcFailMemory(sizeof *device, "a device");
@@ -372,7 +384,8 @@ qcStatus qcDevice_Create(const qcDeviceDef* given, qcDevice** result)
     pthread_mutex_init(&device->costsMutex, NULL);
     pthread_cond_init(&device->changed, NULL);
 
-    KeepChoice(device, &def);
+    device->choice = qcDeviceDef_Choice(&def);
+    device->reopening.firstPause = qcDeviceDef_ReopenPause(&def);
     if (def.kind == qc_deviceAuto && def.shareContext != NULL)
         def.kind = def.shareDisplay != NULL ? qc_deviceEgl : qc_deviceOsmesa;
     qcStatus status = def.kind == qc_deviceAuto ? OpenAuto(device) : OpenKind(device, def.kind);
@@ -443,7 +456,7 @@ qcStatus qcDevice_GetInfo(const qcDevice* device, qcDeviceInfo* info)
                            .vendor = device->gpu.vendor,
                            .maxResolution = device->maxResolution,
                            .software = device->gpu.software,
-                           .compute = device->gl.DispatchCompute != NULL,
+                           .compute = device->compute,
                            .lost = IsLost((qcDevice*)device)};
     memcpy(info->uuid, device->gpu.uuid, sizeof info->uuid);
     return qc_statusOk;
@@ -464,6 +477,23 @@ uint32_t qcDevice_GetGeneration(qcDevice* device)
     return generation;
 }
 
+/// The mutex is held. Returns at once; the device's thread opens the new context.
+static void ReopenIfDue(qcDevice* device)
+{
+    if (device->turn != turn_idle || device->holders != 0 || !qcReopening_IsDue(&device->reopening, qcClock_Now()))
+        return;
+    device->turn = turn_reopen;
+    pthread_cond_broadcast(&device->changed);
+}
+
+/// The mutex is held. A lost device is opened again if it is time.
+static bool IsLostNow(qcDevice* device)
+{
+    if (device->open && device->lost)
+        ReopenIfDue(device);
+    return !device->open || device->lost;
+}
+
 // Callers and mutex are held.
 static qcStatus RunPosted(qcDevice* device, qcDeviceJob* job, void* context, const char* purpose)
 {
@@ -480,6 +510,11 @@ static qcStatus RunPosted(qcDevice* device, qcDeviceJob* job, void* context, con
 
 qcStatus qcDevice_Run(qcDevice* device, qcDeviceJob* job, void* context, const char* purpose)
 {
+    return qcDevice_RunIn(device, QC_ANY_GENERATION, job, context, purpose);
+}
+
+qcStatus qcDevice_RunIn(qcDevice* device, uint32_t generation, qcDeviceJob* job, void* context, const char* purpose)
+{
     if (device->kind == qc_deviceNone)
         return qcFail(qc_statusDevice, "%s: the device none has no GL", purpose);
     if (IsInOtherProcess(device))
@@ -489,10 +524,34 @@ qcStatus qcDevice_Run(qcDevice* device, qcDeviceJob* job, void* context, const c
 
     pthread_mutex_lock(&device->callers);
     pthread_mutex_lock(&device->mutex);
-    qcStatus status = device->open ? RunPosted(device, job, context, purpose) : FailLost(purpose);
+    bool lost = IsLostNow(device);
+    if (generation != QC_ANY_GENERATION && generation != device->generation)
+        lost = true;
+    qcStatus status = lost ? FailLost(purpose) : RunPosted(device, job, context, purpose);
     pthread_mutex_unlock(&device->mutex);
     pthread_mutex_unlock(&device->callers);
     return status;
+}
+
+qcStatus qcDevice_Hold(qcDevice* device, const char* purpose)
+{
+    // A device without a thread has nothing mapped: jobs fail there.
+    if (device->kind == qc_deviceNone || IsInOtherProcess(device))
+        return qc_statusOk;
+    pthread_mutex_lock(&device->mutex);
+    bool lost = IsLostNow(device);
+    device->holders += !lost;
+    pthread_mutex_unlock(&device->mutex);
+    return lost ? FailLost(purpose) : qc_statusOk;
+}
+
+void qcDevice_Release(qcDevice* device)
+{
+    if (device->kind == qc_deviceNone || IsInOtherProcess(device))
+        return;
+    pthread_mutex_lock(&device->mutex);
+    device->holders--;
+    pthread_mutex_unlock(&device->mutex);
 }
 
 bool qcDevice_FindCosts(qcDevice* device, uint32_t threads, qcPlanCosts* costs)

@@ -16,6 +16,18 @@ typedef qcStatus qcDeviceJob(const struct qcGlFunctions* gl, void* context);
 /// names it and `purpose`. qc_statusDeviceLost: the context is lost.
 qcStatus qcDevice_Run(qcDevice* device, qcDeviceJob* job, void* context, const char* purpose);
 
+/// Any context of a device.
+#define QC_ANY_GENERATION 0
+
+/// qcDevice_Run for a job with objects of this generation: qc_statusDeviceLost if the device has another by now, for a
+/// lost device is opened again in the background.
+qcStatus qcDevice_RunIn(qcDevice* device, uint32_t generation, qcDeviceJob* job, void* context, const char* purpose);
+
+/// Keeps the device's context, even if it is lost, until qcDevice_Release: for memory that the device has mapped and
+/// other threads use. qc_statusDeviceLost, and nothing to release: the context is lost already.
+qcStatus qcDevice_Hold(qcDevice* device, const char* purpose);
+void qcDevice_Release(qcDevice* device);
+
 /// Whether the device was opened with a context of the host's to share objects with.
 bool qcDevice_SharesContext(const qcDevice* device);
 

@@ -290,7 +290,9 @@ static qcStatus RunOnDevice(Step* step, const qcPairKeys* keys, qcProfile* profi
     if (!qcGridFrame_Fit(&cull->frame, &step->bounds))
         return qcFail(qc_statusDevice, "layers: the scene is too large for a frame");
     QC_TRY(CheckFailures(step));
+    QC_TRY(qcDevice_Hold(step->job->device, "layers"));
     qcStatus status = TryDevice(step, keys, profile);
+    qcDevice_Release(step->job->device);
     if (status == qc_statusOk)
         cull->failures.count = cull->failures.waiting = 0;
     else if (status == qc_statusDevice)

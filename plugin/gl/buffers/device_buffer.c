@@ -121,7 +121,7 @@ qcStatus qcDevice_OpenBuffer(qcDevice* device, const qcDeviceBufferDef* given, q
         return qcFailMemory(sizeof *buffer, "a buffer of the host's");
     *buffer = (qcDeviceBuffer){.device = device, .generation = qcDevice_GetGeneration(device)};
     Opening opening = {buffer, &def};
-    qcStatus status = qcDevice_Run(device, Open, &opening, "qcDevice_OpenBuffer");
+    qcStatus status = qcDevice_RunIn(device, buffer->generation, Open, &opening, "qcDevice_OpenBuffer");
     if (status == qc_statusOk)
         *result = buffer;
     else
@@ -143,7 +143,7 @@ void qcDeviceBuffer_Close(qcDeviceBuffer* buffer)
         return;
     // A lost context takes its objects along.
     if (buffer->memory != 0 && buffer->generation == qcDevice_GetGeneration(buffer->device))
-        (void)qcDevice_Run(buffer->device, Close, buffer, "qcDeviceBuffer_Close");
+        (void)qcDevice_RunIn(buffer->device, buffer->generation, Close, buffer, "qcDeviceBuffer_Close");
     qcFree(buffer, sizeof *buffer);
 }
 
@@ -199,7 +199,7 @@ static qcStatus Write(const struct qcGlFunctions* gl, void* context)
 qcStatus qcDeviceBuffer_Write(const qcBufferRange* room, const qcPair* pairs, size_t count, const char* function)
 {
     Writing writing = {room, pairs, count, function};
-    return qcDevice_Run(room->buffer->device, Write, &writing, function);
+    return qcDevice_RunIn(room->buffer->device, room->buffer->generation, Write, &writing, function);
 }
 
 qcStatus qcGl_WaitForHost(const struct qcGlFunctions* gl, void* fence, const char* function)

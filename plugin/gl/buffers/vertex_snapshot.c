@@ -175,7 +175,8 @@ qcStatus qcVertexSnapshot_Copy(qcVertexSnapshot* snapshot, const qcSnapshotSourc
                                float upper[3])
 {
     Copying copying = {.snapshot = snapshot, .source = source};
-    QC_TRY(qcDevice_Run(snapshot->device, Copy, &copying, "qcScene_SetVertexBuffer"));
+    QC_TRY(
+        qcDevice_RunIn(snapshot->device, source->range.buffer->generation, Copy, &copying, "qcScene_SetVertexBuffer"));
     const Bounds* bounds = &copying.bounds;
     if (bounds->firstBad != UINT32_MAX)
         return qcFail(qc_statusBadInput, "vertex %u of body %u is not finite", bounds->firstBad, source->slot);
@@ -226,7 +227,7 @@ static qcStatus Read(const struct qcGlFunctions* gl, void* context)
 qcStatus qcVertexSnapshot_Read(const qcVertexSnapshot* snapshot, float* positions)
 {
     Reading reading = {snapshot, positions};
-    return qcDevice_Run(snapshot->device, Read, &reading, "reading a vertex buffer back");
+    return qcDevice_RunIn(snapshot->device, snapshot->generation, Read, &reading, "reading a vertex buffer back");
 }
 
 typedef struct Gathering
@@ -278,7 +279,9 @@ qcStatus qcVertexSnapshots_Gather(qcDevice* device, const qcSnapshotPart* parts,
                                   const uint32_t* vertices, size_t vertexCount, float* positions)
 {
     Gathering gathering = {parts, partCount, vertices, vertexCount, positions};
-    return vertexCount == 0 ? qc_statusOk : qcDevice_Run(device, Gather, &gathering, "gathering positions");
+    return vertexCount == 0
+               ? qc_statusOk
+               : qcDevice_RunIn(device, parts[0].snapshot->generation, Gather, &gathering, "gathering positions");
 }
 
 //  ---- life --------------------------------------------------------------------------------------------------------
@@ -308,7 +311,8 @@ void qcVertexSnapshot_Destroy(qcVertexSnapshot* snapshot)
         return;
     // A lost context takes its objects along.
     if (snapshot->generation == qcDevice_GetGeneration(snapshot->device))
-        (void)qcDevice_Run(snapshot->device, DeleteObjects, snapshot, "releasing positions on the device");
+        (void)qcDevice_RunIn(snapshot->device, snapshot->generation, DeleteObjects, snapshot,
+                             "releasing positions on the device");
     qcArray_Free(&snapshot->marks);
     qcFree(snapshot, sizeof *snapshot);
 }

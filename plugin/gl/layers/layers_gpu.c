@@ -220,7 +220,7 @@ qcStatus qcLayers_Open(qcLayers* layers, const qcLayersStep* step, qcLayersMemor
         (shares && step->capacity[qc_layersVertices] > layers->buffers.capacity[qc_layersVertices]))
     {
         Opening opening = {layers, step};
-        QC_TRY(qcDevice_Run(layers->device, GrowForStep, &opening, "layers, memory"));
+        QC_TRY(qcDevice_RunIn(layers->device, layers->generation, GrowForStep, &opening, "layers, memory"));
     }
     qcLayersStream_Next(&layers->stream);
     float* words = (float*)(void*)qcLayersStream_Data(&layers->stream);
@@ -484,7 +484,7 @@ qcStatus qcLayers_Create(qcDevice* device, bool imageOnly, qcLayers** result)
     layers->device = device;
     layers->generation = qcDevice_GetGeneration(device);
     layers->imageOnly = imageOnly;
-    qcStatus status = qcDevice_Run(device, CreateObjects, layers, "layers, set-up");
+    qcStatus status = qcDevice_RunIn(device, layers->generation, CreateObjects, layers, "layers, set-up");
     if (status != qc_statusOk)
     {
         qcLayers_Destroy(layers);
@@ -503,7 +503,7 @@ void qcLayers_Destroy(qcLayers* layers)
     char message[512];
     snprintf(message, sizeof message, "%s", qcLastMessage());
     if (qcLayers_IsAlive(layers) &&
-        qcDevice_Run(layers->device, DeleteObjects, layers, "layers, release") != qc_statusOk)
+        qcDevice_RunIn(layers->device, layers->generation, DeleteObjects, layers, "layers, release") != qc_statusOk)
         qcFail(qc_statusDevice, "%s", message);
     qcArray_Free(&layers->stream.staging);
     qcFree(layers, sizeof *layers);
@@ -529,7 +529,7 @@ static void TakeAnswer(qcLayers* layers, qcLayersAnswer* answer)
 qcStatus qcLayers_Run(qcLayers* layers, const qcLayersStep* step, qcLayersAnswer* answer)
 {
     KeepStep(layers, step);
-    QC_TRY(qcDevice_Run(layers->device, RunJob, layers, "layers"));
+    QC_TRY(qcDevice_RunIn(layers->device, layers->generation, RunJob, layers, "layers"));
     TakeAnswer(layers, answer);
     return qc_statusOk;
 }

@@ -41,6 +41,7 @@ typedef enum Way
 struct qcVisibility
 {
     qcDevice* device;
+    uint32_t generation; ///< of the device
     uint32_t triangleCount;
     uint32_t resolution, tileSize;
     bool isDilated;
@@ -384,6 +385,7 @@ qcStatus qcVisibility_Create(const qcVisibilityDef* def, qcVisibility** visibili
     uint32_t defaultSize = info.software ? qc_softwareTileSize : def->resolution;
     uint32_t tileSize = def->tileSize != 0 ? def->tileSize : defaultSize;
     v->device = def->device;
+    v->generation = qcDevice_GetGeneration(def->device);
     v->triangleCount = def->triangleCount;
     v->resolution = def->resolution;
     v->tileSize = tileSize < def->resolution ? tileSize : def->resolution;
@@ -398,7 +400,7 @@ qcStatus qcVisibility_Create(const qcVisibilityDef* def, qcVisibility** visibili
     {
         if (floatCount > 0)
             memcpy(v->corners.data, def->corners, floatCount * sizeof(float));
-        status = qcDevice_Run(def->device, CreateObjects, v, "visibility queries, upload");
+        status = qcDevice_RunIn(def->device, v->generation, CreateObjects, v, "visibility queries, upload");
     }
     if (status != qc_statusOk)
     {
@@ -416,7 +418,7 @@ void qcVisibility_Destroy(qcVisibility* v)
     // Called after failures too: the message of the first failure stays.
     char message[512];
     snprintf(message, sizeof message, "%s", qcLastMessage());
-    if (qcDevice_Run(v->device, DeleteObjects, v, "visibility queries, release") != qc_statusOk)
+    if (qcDevice_RunIn(v->device, v->generation, DeleteObjects, v, "visibility queries, release") != qc_statusOk)
         qcFail(qc_statusDevice, "%s", message);
     qcArray_Free(&v->corners);
     qcArray_Free(&v->dilated);
@@ -467,5 +469,5 @@ qcStatus qcVisibility_RunPass(qcVisibility* v, const qcVisibilityPass* pass, con
     }
     QC_TRY(qcTileSchedule_Build(&v->schedule, &view, steps, stepCount));
     PassJob job = {.visibility = v, .pass = pass, .visible = visible, .stepCount = stepCount};
-    return qcDevice_Run(v->device, DrawPass, &job, "visibility queries, pass");
+    return qcDevice_RunIn(v->device, v->generation, DrawPass, &job, "visibility queries, pass");
 }
