@@ -6,7 +6,7 @@
 #include <check.h>
 #include <string.h>
 
-#define HEADER "scene,step,seconds,energy,contacts,depth,remaining,pairs,soft_pairs,bytes,resident,ms"
+#define HEADER "scene,step,seconds,energy,contacts,depth,remaining,pairs,soft_pairs,bytes,resident,ms,kinetic,hanging,below"
 
 typedef struct Course
 {
@@ -72,6 +72,7 @@ START_TEST(mistakes_are_refused_with_a_message)
 {
     static const CommandMistake wrong[] = {
         {"--scene clot", 2, "there is no scene 'clot', only: cloth, "},
+        {"--jitter 0", 2, "--jitter: '0' is not a whole number in 1.."},
         {"--steps 3", 2, "--steps: '3' is not a whole number in 4.."},
         {"--out ''", 2, "--out: no folder is named"},
         {"cloth", 2, "'cloth': options only"},

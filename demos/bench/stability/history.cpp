@@ -77,6 +77,7 @@ bool qcStabilityHistory::Take(qcStabilityScene& scene, double ms, std::string* m
     m_row.ms = m_sumMs / (m_taken - before);
     m_row.bytes = qcGetByteCount();
     m_row.resident = ResidentBytes();
+    m_row.support = qcMeasureSupport(scene.World());
     // A scene whose positions are not finite can't be queried.
     if (m_isFinite && !qcCountPenetrating(scene.World(), m_def.selfCollision, &m_row.pairs))
     {

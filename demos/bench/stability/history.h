@@ -4,6 +4,7 @@
 
 #include "bench/stability/scenes.h"
 #include "bench/stability/world_measure.h"
+#include "bench/stability/world_support.h"
 
 #include <string>
 #include <vector>
@@ -17,8 +18,9 @@ struct qcStabilityRow
     /// Pairs that penetrate at the end of a step, by the library's statistics: maximum; -1: no soft bodies.
     int remaining = -1;
     qcPenetratingPairs pairs; ///< by the exact test
-    size_t bytes = 0;         ///< held by the library
-    size_t resident = 0;      ///< of the process, bytes
+    qcWorldSupport support;
+    size_t bytes = 0;    ///< held by the library
+    size_t resident = 0; ///< of the process, bytes
 };
 
 class qcStabilityHistory

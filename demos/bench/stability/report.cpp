@@ -9,7 +9,8 @@
 
 namespace
 {
-const char s_header[] = "scene,step,seconds,energy,contacts,depth,remaining,pairs,soft_pairs,bytes,resident,ms";
+const char s_header[] =
+    "scene,step,seconds,energy,contacts,depth,remaining,pairs,soft_pairs,bytes,resident,ms,kinetic,hanging,below";
 
 struct Maxima
 {
@@ -119,9 +120,10 @@ bool qcWriteStabilityCsv(const char* folder, const std::vector<qcStabilityHistor
     std::fprintf(output.stream, "%s\n", s_header);
     for (const qcStabilityHistory& history : histories)
         for (const qcStabilityRow& row : history.Rows())
-            std::fprintf(output.stream, "%s,%u,%.4f,%.9g,%d,%.6g,%d,%zu,%zu,%zu,%zu,%.5g\n", history.Def().name,
-                         row.step, history.Seconds(row.step), row.world.energy, row.world.contacts, row.world.depth,
-                         row.remaining, row.pairs.all, row.pairs.soft, row.bytes, row.resident, row.ms);
+            std::fprintf(output.stream, "%s,%u,%.4f,%.9g,%d,%.6g,%d,%zu,%zu,%zu,%zu,%.5g,%.6g,%zu,%.6g\n",
+                         history.Def().name, row.step, history.Seconds(row.step), row.world.energy, row.world.contacts,
+                         row.world.depth, row.remaining, row.pairs.all, row.pairs.soft, row.bytes, row.resident, row.ms,
+                         row.world.kinetic, row.support.hanging, row.support.below);
     return qcOutput_Commit(&output, message);
 }
 

@@ -370,7 +370,8 @@ const std::vector<qcStabilitySceneDef>& qcStabilityScenes()
          nullptr, false},
         {"meshes", "tori, balls and boxes of triangles fall into a heap", "40 meshes", "200 meshes", Rigid::stepSeconds,
          10, Make<Meshes>},
-        {"boxes", "a wall and a tower of convex boxes", "60 boxes", "215 boxes", Rigid::stepSeconds, 2, Make<Boxes>},
+        {"boxes", "a wall and a tower of convex boxes", "60 boxes", "215 boxes", Rigid::stepSeconds, 2, Make<Boxes>,
+         nullptr, true, 0.0005, 0.0005},
         {"cloth-pile", "a cloth falls over a pile of moving tori", "24 x 24 nodes, 8 tori", "50 x 50 nodes, 20 tori",
          1.0 / 60, 20, Make<ClothPile>},
         // Tetrahedra that were turned inside out snap back one by one; what they store is no part of the energy.

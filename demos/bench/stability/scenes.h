@@ -38,6 +38,8 @@ struct qcStabilitySceneDef
     /// What adds energy to the scene as long as it runs, so that its growth is no failure; null: nothing.
     const char* driven = nullptr;
     bool selfCollision = true; ///< of its soft bodies
+    /// How far --jitter moves and turns bodies at the start, m and radians: see jitter.h.
+    double shift = 0.02, turn = 0.1;
 };
 
 const std::vector<qcStabilitySceneDef>& qcStabilityScenes();

@@ -3,6 +3,7 @@
 #include "bench/stability/report.h"
 
 #include "bench/bench.h"
+#include "bench/stability/jitter.h"
 #include "common/files.h"
 #include "common/interrupt.h"
 #include "common/options.h"
@@ -19,6 +20,7 @@ struct Options
 {
     std::vector<const qcStabilitySceneDef*> scenes;
     uint32_t steps = 0;
+    uint32_t jitter = 0; ///< seed; 0: none
     bool quick = false, full = false;
     const char* out = "out/bench";
 };
@@ -38,6 +40,8 @@ void TakeScene(const struct argp_state* state, const char* text, void* context)
 bool RunScene(const Options& options, qcStabilityHistory* history, qcMessage* message)
 {
     std::unique_ptr<qcStabilityScene> scene = history->Def().make(options.full);
+    if (options.jitter != 0 && history->Def().driven == nullptr)
+        qcJitterStart(&scene->World(), history->Def().shift, history->Def().turn, options.jitter);
     qcProgress_Begin(options.steps, history->Def().name);
     bool isOk = true;
     for (uint32_t step = 1; step <= options.steps && isOk && qcInterrupt_Signal() == 0; step++)
@@ -112,6 +116,8 @@ extern "C" qcExitStatus qcBench_RunStability(int argumentCount, char** arguments
         {1, "scene", "NAME,...", "Which scenes; all by default", qcOption_Texts(TakeScene, &options)},
         {1, "steps", "N", "Steps of each scene; 10000 by default, 1500 with --quick",
          qcOption_Number(&options.steps, 4, 100000000)},
+        {1, "jitter", "SEED", "Moves and turns each body a little at the start, at random; none that a crane carries",
+         qcOption_Number(&options.jitter, 1, 1000000)},
         {1, "quick", nullptr, "Fewer steps", qcOption_Flag(&options.quick, true)},
         {1, "full", nullptr, "Scenes in the size of the demos, which take hours", qcOption_Flag(&options.full, true)},
         {2, "out", "FOLDER",

@@ -1,6 +1,7 @@
 // Energy, contacts and penetrating pairs of a Bullet world.
 #include "bench/stability/world_measure.h"
 
+#include "bench/stability/world_support.h"
 #include "quickcullide/bullet_mesh.h"
 #include "quickcullide/bullet_positions.h"
 
@@ -28,12 +29,6 @@ struct SceneDeleter
     }
 };
 
-/// Bullet's soft bodies carry the flag of static objects.
-bool Moves(const btCollisionObject& object)
-{
-    return btSoftBody::upcast(&object) != nullptr || !object.isStaticOrKinematicObject();
-}
-
 void AddSoftEnergy(const btSoftBody& soft, const btVector3& gravity, qcWorldMeasure* measure)
 {
     for (int i = 0; i < soft.m_nodes.size(); i++)
@@ -43,7 +38,8 @@ void AddSoftEnergy(const btSoftBody& soft, const btVector3& gravity, qcWorldMeas
             continue;
         double mass = 1 / double(node.m_im);
         measure->mass += mass;
-        measure->energy += mass * (double(node.m_v.length2()) / 2 - double(gravity.dot(node.m_x)));
+        measure->kinetic += mass * double(node.m_v.length2()) / 2;
+        measure->energy -= mass * double(gravity.dot(node.m_x));
     }
 }
 
@@ -52,11 +48,11 @@ void AddRigidEnergy(const btRigidBody& rigid, const btVector3& gravity, qcWorldM
     double mass = double(rigid.getMass());
     btVector3 spin = rigid.getAngularVelocity() * rigid.getWorldTransform().getBasis();
     measure->mass += mass;
-    measure->energy += mass * (double(rigid.getLinearVelocity().length2()) / 2 -
-                               double(gravity.dot(rigid.getWorldTransform().getOrigin())));
+    measure->kinetic += mass * double(rigid.getLinearVelocity().length2()) / 2;
+    measure->energy -= mass * double(gravity.dot(rigid.getWorldTransform().getOrigin()));
     for (int axis = 0; axis < 3; axis++)
         if (rigid.getInvInertiaDiagLocal()[axis] > 0)
-            measure->energy += double(spin[axis] * spin[axis] / rigid.getInvInertiaDiagLocal()[axis]) / 2;
+            measure->kinetic += double(spin[axis] * spin[axis] / rigid.getInvInertiaDiagLocal()[axis]) / 2;
 }
 
 /// Faces, and the links of ropes as triangles with two equal corners.
@@ -133,7 +129,7 @@ qcWorldMeasure qcMeasureWorld(const btDiscreteDynamicsWorld& world)
     const btCollisionObjectArray& objects = world.getCollisionObjectArray();
     for (int i = 0; i < objects.size(); i++)
     {
-        if (!Moves(*objects[i]))
+        if (!qcMoves(*objects[i]))
             continue;
         measure.bodies++;
         if (const btSoftBody* soft = btSoftBody::upcast(objects[i]))
@@ -141,6 +137,7 @@ qcWorldMeasure qcMeasureWorld(const btDiscreteDynamicsWorld& world)
         else if (const btRigidBody* rigid = btRigidBody::upcast(objects[i]))
             AddRigidEnergy(*rigid, gravity, &measure);
     }
+    measure.energy += measure.kinetic;
     // Bullet's getter is const on the array only.
     auto dispatcher = const_cast<btDispatcher*>(world.getDispatcher());
     for (int m = 0; m < dispatcher->getNumManifolds(); m++)
@@ -189,6 +186,6 @@ void qcKeepAwake(btDiscreteDynamicsWorld* world)
 {
     btCollisionObjectArray& objects = world->getCollisionObjectArray();
     for (int i = 0; i < objects.size(); i++)
-        if (Moves(*objects[i]))
+        if (qcMoves(*objects[i]))
             objects[i]->forceActivationState(DISABLE_DEACTIVATION);
 }

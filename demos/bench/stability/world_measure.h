@@ -13,9 +13,10 @@ struct qcWorldMeasure
     /// or bent is left out: Bullet's links are constraints and have no energy, and forces of the deformable world are
     /// its own.
     double energy = 0;
-    double mass = 0;  ///< of all bodies that move, kg
-    int bodies = 0;   ///< that move
-    int contacts = 0; ///< points in Bullet's manifolds
+    double kinetic = 0; ///< part of the energy
+    double mass = 0;    ///< of all bodies that move, kg
+    int bodies = 0;     ///< that move
+    int contacts = 0;   ///< points in Bullet's manifolds
     /// Depth of the deepest of these points, m: of shells (margins) and, for soft bodies, of their thickness, before
     /// the step's response.
     double depth = 0;
