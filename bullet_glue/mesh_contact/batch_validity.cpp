@@ -55,14 +55,26 @@ btScalar qcBatchValidity::MaxTravel(const qcBatchPair& pair) const
     return std::max({relative, motionA.MaxSpeed(a.radius), motionB.MaxSpeed(b.radius)}) * m_scene.GetTimeStep();
 }
 
-/// True if the boxes of a pair are so far apart that its meshes have no contact in the step. What is known of the pair
-/// is then that.
+/// True if the meshes of a pair are so far apart, as they were when it was queried or by their boxes, that they have no
+/// contact in the step. What is known of the pair is then that.
 bool qcBatchValidity::AreFar(const qcBatchPair& pair, qcPairContact* contact) const
 {
     const qcBatchObject &a = *pair.gathered0, &b = *pair.gathered1;
-    btScalar gap = qcBoxGap({a.lower, a.upper, a.state.transform}, {b.lower, b.upper, b.state.transform}) -
-                   a.tolerance - b.tolerance;
-    if (!(gap > std::max({MaxTravel(pair), a.maxContactDistance, b.maxContactDistance})) || m_scene.GetTimeStep() <= 0)
+    if (m_scene.GetTimeStep() <= 0)
+        return false;
+    btScalar threshold = std::min(a.threshold, b.threshold), rest = qcBatchScene::s_restDistance * threshold;
+    btScalar needed = std::max({rest + MaxTravel(pair), std::min(threshold, rest + a.maxClosing + b.maxClosing),
+                                a.maxContactDistance, b.maxContactDistance});
+    btScalar gap = 0, margins = a.margin + b.margin;
+    if (contact->versionA == a.version && contact->versionB == b.version)
+        gap =
+            qcGapAfter(*contact, {contact->a, a.state.transform, a.radius}, {contact->b, b.state.transform, b.radius});
+    if (!(gap > needed + margins))
+    {
+        gap = qcBoxGap({a.lower, a.upper, a.state.transform}, {b.lower, b.upper, b.state.transform});
+        margins = a.tolerance + b.tolerance;
+    }
+    if (!(gap > needed + margins))
         return false;
     *contact = qcPairContact();
     contact->isKnown = true;
@@ -70,7 +82,7 @@ bool qcBatchValidity::AreFar(const qcBatchPair& pair, qcPairContact* contact) co
     contact->versionB = b.version;
     contact->a = a.state.transform;
     contact->b = b.state.transform;
-    contact->reach = gap;
+    contact->reach = gap - margins;
     contact->gap = double(gap);
     return true;
 }

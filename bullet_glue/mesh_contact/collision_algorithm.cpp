@@ -298,8 +298,12 @@ void qcPointsAlgorithm::processCollision(const btCollisionObjectWrapper* body0, 
 {
     std::vector<qcMeshPoint> points;
     const btCollisionShape *shape0 = body0->getCollisionShape(), *shape1 = body1->getCollisionShape();
-    btScalar contactDistance = qcContactDistance(shape0, shape1) + result->m_closestPointDistanceThreshold;
-    FindPoints(*body0, *body1, contactDistance, dispatchInfo.m_timeStep, &points);
+    btScalar farther = result->m_closestPointDistanceThreshold;
+    FindPoints(*body0, *body1, farther, dispatchInfo.m_timeStep, &points);
+    // Most pairs of boxes are no contact.
+    if (points.empty() && (m_query || std::count(m_manifolds, m_manifolds + s_maxGroups, nullptr) == s_maxGroups))
+        return;
+    btScalar contactDistance = qcContactDistance(shape0, shape1) + farther;
     ApplyMargins(MarginOf(shape0), MarginOf(shape1), &points);
     if (m_query)
     {
@@ -328,14 +332,15 @@ void qcPointsAlgorithm::getAllContactManifolds(btManifoldArray& manifolds)
 }
 
 void qcMeshMeshAlgorithm::FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-                                     btScalar contactDistance, btScalar timeStep, std::vector<qcMeshPoint>* points)
+                                     btScalar farther, btScalar timeStep, std::vector<qcMeshPoint>* points)
 {
     qcPlacedMesh a = PlacedMesh(body0), b = PlacedMesh(body1);
     // An object may have another shape than at the creation of the algorithm, without notice from Bullet's pair.
     if (!qcIsMesh(a.shape) || !qcIsMesh(b.shape))
         return;
     if (m_query)
-        m_batch->QueryPair(a, b, contactDistance + MarginOf(a.shape) + MarginOf(b.shape), points);
+        m_batch->QueryPair(a, b, qcContactDistance(a.shape, b.shape) + farther + MarginOf(a.shape) + MarginOf(b.shape),
+                           points);
     else
         m_batch->FindPoints(a, b, timeStep, &m_check, points);
 }
@@ -346,7 +351,7 @@ btScalar qcMeshMeshAlgorithm::MarginOf(const btCollisionShape* shape) const
 }
 
 void qcMeshPlaneAlgorithm::FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-                                      btScalar contactDistance, btScalar timeStep, std::vector<qcMeshPoint>* points)
+                                      btScalar farther, btScalar timeStep, std::vector<qcMeshPoint>* points)
 {
     bool swapped = body0.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE;
     const btCollisionObjectWrapper &meshBody = swapped ? body1 : body0, &planeBody = swapped ? body0 : body1;
@@ -355,7 +360,7 @@ void qcMeshPlaneAlgorithm::FindPoints(const btCollisionObjectWrapper& body0, con
         return;
     const auto* plane = static_cast<const btStaticPlaneShape*>(planeBody.getCollisionShape());
     PlanePoints collector(*mesh, meshBody.getWorldTransform(), planeBody.getWorldTransform(), *plane, swapped, points);
-    collector.Collect(contactDistance + mesh->getMargin() +
+    collector.Collect(qcContactDistance(mesh, plane) + farther + mesh->getMargin() +
                       MaxTravelAgainst(meshBody, collector.GetNormal(), timeStep));
 }
 

@@ -25,9 +25,9 @@ class qcPointsAlgorithm : public btCollisionAlgorithm
 
   protected:
     /// Appends points with normals from body 1 to body 0: at least those whose distance beyond the margins is at most
-    /// `contactDistance`, and those that the motion of the step brings so near.
+    /// the contact distance and `farther`, and those that the motion of the step brings so near.
     virtual void FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-                            btScalar contactDistance, btScalar timeStep, std::vector<qcMeshPoint>* points) = 0;
+                            btScalar farther, btScalar timeStep, std::vector<qcMeshPoint>* points) = 0;
     /// The part of a distance between triangles that belongs to the shape's margin.
     virtual btScalar MarginOf(const btCollisionShape* shape) const = 0;
 
@@ -60,8 +60,8 @@ class qcMeshMeshAlgorithm : public qcPointsAlgorithm
     using qcPointsAlgorithm::qcPointsAlgorithm;
 
   protected:
-    void FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-                    btScalar contactDistance, btScalar timeStep, std::vector<qcMeshPoint>* points) override;
+    void FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, btScalar farther,
+                    btScalar timeStep, std::vector<qcMeshPoint>* points) override;
     btScalar MarginOf(const btCollisionShape* shape) const override;
 
   private:
@@ -75,8 +75,8 @@ class qcMeshPlaneAlgorithm : public qcPointsAlgorithm
     using qcPointsAlgorithm::qcPointsAlgorithm;
 
   protected:
-    void FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-                    btScalar contactDistance, btScalar timeStep, std::vector<qcMeshPoint>* points) override;
+    void FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, btScalar farther,
+                    btScalar timeStep, std::vector<qcMeshPoint>* points) override;
     btScalar MarginOf(const btCollisionShape* shape) const override;
 };
 

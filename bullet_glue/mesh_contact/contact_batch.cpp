@@ -359,17 +359,30 @@ void qcMeshBatch::QueryPair(const qcPlacedMesh& a, const qcPlacedMesh& b, btScal
     Note(status);
 }
 
-bool qcMeshBatch::StayApart(const btCollisionObject* a, const qcStepMotion& motionA, const btCollisionObject* b,
-                            const qcStepMotion& motionB) const
+/// The object if its meshes are as last read, which is checked once in a limiting; null otherwise.
+qcBatchObject* qcMeshBatch::FindCurrent(const btCollisionObject* object)
 {
-    const qcBatchObject *gatheredA = m_scene.Find(a), *gatheredB = m_scene.Find(b);
+    qcBatchObject* gathered = m_scene.Find(object);
+    if (gathered == nullptr)
+        return nullptr;
+    if (gathered->limited != m_limits)
+    {
+        gathered->limited = m_limits;
+        gathered->isCurrent = m_scene.IsUnchanged(object, *gathered);
+    }
+    return gathered->isCurrent ? gathered : nullptr;
+}
+
+bool qcMeshBatch::StayApart(const btCollisionObject* a, const qcStepMotion& motionA, const btCollisionObject* b,
+                            const qcStepMotion& motionB)
+{
+    const qcBatchObject *gatheredA = FindCurrent(a), *gatheredB = FindCurrent(b);
     if (gatheredA == nullptr || gatheredB == nullptr)
         return false;
     if (gatheredA->owner > gatheredB->owner)
         return StayApart(b, motionB, a, motionA);
     const qcPairContact* pair = m_pairs.Find(gatheredA->owner, gatheredB->owner);
     return pair != nullptr && pair->versionA == gatheredA->version && pair->versionB == gatheredB->version &&
-           m_scene.IsUnchanged(a, *gatheredA) && m_scene.IsUnchanged(b, *gatheredB) &&
            qcPairContacts::StayApart(*pair, {motionA.start, motionA.end, gatheredA->radius},
                                      {motionB.start, motionB.end, gatheredB->radius});
 }
@@ -385,6 +398,7 @@ void qcMeshBatch::InvalidateShape(const btCollisionShape* shape)
 void qcMeshBatch::LimitMotion(btScalar timeStep)
 {
     std::lock_guard<std::mutex> lock(m_mutex);
+    m_limits++;
     std::vector<const btCollisionObject*> moved;
     if (m_isLimited)
         m_limiter.LimitAgain(timeStep, {}, &moved, &statistics);
@@ -396,6 +410,7 @@ void qcMeshBatch::LimitMotion(btScalar timeStep)
 void qcMeshBatch::LimitFirst(btScalar timeStep)
 {
     std::lock_guard<std::mutex> lock(m_mutex);
+    m_limits++;
     m_limiter.Limit(timeStep, &statistics);
     m_isLimited = true;
 }
@@ -404,6 +419,7 @@ void qcMeshBatch::LimitAgain(btScalar timeStep, const std::vector<const btCollis
                              std::vector<const btCollisionObject*>* moved)
 {
     std::lock_guard<std::mutex> lock(m_mutex);
+    m_limits++;
     m_limiter.LimitAgain(timeStep, held, moved, &statistics);
 }
 

@@ -463,9 +463,9 @@ void qcMotionLimiter::SkipSettledPairs(const std::set<Numbers>& reported)
     auto isSettled = [&](const qcSweptPair& pair)
     {
         Numbers numbers = std::minmax(pair.first->number, pair.second->number);
-        return m_exempt.count(numbers) > 0 ||
-               (reported.count(numbers) == 0 && qcAreSame(pair.first->end, pair.first->tested) &&
-                qcAreSame(pair.second->end, pair.second->tested));
+        bool isTested =
+            qcAreSame(pair.first->end, pair.first->tested) && qcAreSame(pair.second->end, pair.second->tested);
+        return (isTested && reported.count(numbers) == 0) || m_exempt.count(numbers) > 0;
     };
     m_pairs.erase(std::remove_if(m_pairs.begin(), m_pairs.end(), isSettled), m_pairs.end());
 }
@@ -502,9 +502,9 @@ qcStatus qcMotionLimiter::Certify()
     for (int round = 0;; round++)
     {
         m_objects.FindPairs(&m_pairs);
-        SkipProvenPairs();
         if (round > 0)
             SkipSettledPairs(reported);
+        SkipProvenPairs();
         SkipSeparatedPairs();
         bool isStopped = !m_pairs.empty() && StopPairs(round, &reported);
         if (m_status != qc_statusOk || (!isStopped && (!m_areTouching || round >= s_planeRounds)))

@@ -24,14 +24,14 @@ class qcKnownGaps
     /// True if the meshes of two objects have no common point at any time of a step in which their vertices move along
     /// straight lines. False proves nothing.
     virtual bool StayApart(const btCollisionObject* a, const qcStepMotion& motionA, const btCollisionObject* b,
-                           const qcStepMotion& motionB) const = 0;
+                           const qcStepMotion& motionB) = 0;
 };
 
 /// Runs at the end of a step, after Bullet has integrated the transforms. Not for several threads.
 class qcMotionLimiter
 {
   public:
-    qcMotionLimiter(const qcBatchSettings& settings, const qcKnownGaps& gaps, qcAxisCache& axes)
+    qcMotionLimiter(const qcBatchSettings& settings, qcKnownGaps& gaps, qcAxisCache& axes)
         : m_settings(settings), m_gaps(gaps), m_axes(axes), m_objects(settings, axes)
     {
     }
@@ -103,7 +103,7 @@ class qcMotionLimiter
     static bool TestPair(void* context, uint32_t slotA, uint32_t slotB);
 
     const qcBatchSettings& m_settings;
-    const qcKnownGaps& m_gaps;
+    qcKnownGaps& m_gaps;
     qcAxisCache& m_axes;
     qcSweptObjects m_objects;
     qcMotionIslands m_islands;

@@ -39,6 +39,14 @@ btScalar qcRelativeDisplacementBound(const qcObjectMotion& a, const qcObjectMoti
     return qcDisplacementBound(large.to * large.from.inverse() * small.from, small.to, small.radius);
 }
 
+btScalar qcGapAfter(const qcPairContact& pair, const qcObjectMotion& a, const qcObjectMotion& b)
+{
+    if (!pair.isKnown || !(pair.gap > 0))
+        return 0;
+    btScalar size = SizeOf(a.from) + SizeOf(a.to) + SizeOf(b.from) + SizeOf(b.to) + a.radius + b.radius;
+    return btScalar(pair.gap) - qcRelativeDisplacementBound(a, b) - 64 * SIMD_EPSILON * size;
+}
+
 qcPairContact& qcPairContacts::FindOrAdd(uint32_t a, uint32_t b)
 {
     uint64_t key = KeyOf(a, b);

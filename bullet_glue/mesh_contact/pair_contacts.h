@@ -45,6 +45,10 @@ struct qcObjectMotion
 /// Upper bound of the displacement of points of two objects against each other.
 btScalar qcRelativeDisplacementBound(const qcObjectMotion& a, const qcObjectMotion& b);
 
+/// Lower bound of the distance between triangles of a pair after motions from where it was queried; 0 or less: none is
+/// known. A and B as in qcPairContact.
+btScalar qcGapAfter(const qcPairContact& pair, const qcObjectMotion& a, const qcObjectMotion& b);
+
 class qcPairContacts
 {
   public:

@@ -56,58 +56,103 @@ double DistanceOf(const double a[9], const double b[9])
     return proximity.distance;
 }
 
+/// Two triangles, what is known of them, and a step that they make.
+struct MovedPair
+{
+    // Sizes from 0.1 to 10, places up to 50 away.
+    Triangle triangles[2];
+    qcPairContact pair;
+    btTransform motions[2][2]; ///< start and end of each
+
+    explicit MovedPair(Random* random)
+    {
+        btScalar sizes[2];
+        for (int k = 0; k < 2; k++)
+        {
+            sizes[k] = btPow(btScalar(10), Draw(random, 1));
+            for (btVector3& corner : triangles[k].corners)
+                corner = DrawVector(random, sizes[k]);
+        }
+        btTransform place = DrawMotion(random, 50, 3);
+        btScalar near = 2 * (sizes[0] + sizes[1]);
+        btTransform known[2] = {place, place * DrawMotion(random, near, 3)};
+        pair.isKnown = true;
+        pair.a = known[0];
+        pair.b = known[1];
+        pair.gap = Distance(known[0], known[0], known[1], known[1], 0);
+        // Both move as one, then against each other within the step.
+        btTransform common = DrawMotion(random, 5, 1);
+        btScalar part = btScalar(pair.gap) * btPow(btScalar(10), Draw(random, 1));
+        for (int k = 0; k < 2; k++)
+        {
+            btScalar turn = part / (sizes[0] + sizes[1]);
+            motions[k][0] = common * known[k];
+            motions[k][0].getOrigin() += DrawVector(random, part / 4);
+            motions[k][1] = motions[k][0] * DrawMotion(random, 0, turn);
+            motions[k][1].getOrigin() += DrawVector(random, part);
+        }
+    }
+
+    double Distance(const btTransform& fromA, const btTransform& toA, const btTransform& fromB, const btTransform& toB,
+                    double time) const
+    {
+        double a[9], b[9];
+        triangles[0].At(fromA, toA, time, a);
+        triangles[1].At(fromB, toB, time, b);
+        return DistanceOf(a, b);
+    }
+    double DistanceAt(double time) const
+    {
+        return Distance(motions[0][0], motions[0][1], motions[1][0], motions[1][1], time);
+    }
+    qcObjectMotion Motion(int k) const
+    {
+        return {motions[k][0], motions[k][1], triangles[k].Radius()};
+    }
+    /// From where it is known to an end of the step.
+    qcObjectMotion MotionSince(int k, int end) const
+    {
+        return {k == 0 ? pair.a : pair.b, motions[k][end], triangles[k].Radius()};
+    }
+};
+
 START_TEST(no_pair_that_stays_apart_meets_on_the_way)
 {
     Random random(1);
     int proven = 0, met = 0;
     for (int i = 0; i < 20000; i++)
     {
-        // Sizes from 0.1 to 10, places up to 50 away.
-        Triangle triangles[2];
-        btScalar sizes[2];
-        for (int k = 0; k < 2; k++)
-        {
-            sizes[k] = btPow(btScalar(10), Draw(&random, 1));
-            for (btVector3& corner : triangles[k].corners)
-                corner = DrawVector(&random, sizes[k]);
-        }
-        btTransform place = DrawMotion(&random, 50, 3);
-        btScalar near = 2 * (sizes[0] + sizes[1]);
-        btTransform known[2] = {place, place * DrawMotion(&random, near, 3)};
-        double a[9], b[9];
-        triangles[0].At(known[0], known[0], 0, a);
-        triangles[1].At(known[1], known[1], 0, b);
-        qcPairContact pair;
-        pair.isKnown = true;
-        pair.a = known[0];
-        pair.b = known[1];
-        pair.gap = DistanceOf(a, b);
-        // Both move as one, then against each other within the step.
-        btTransform common = DrawMotion(&random, 5, 1), motions[2][2];
-        btScalar part = btScalar(pair.gap) * btPow(btScalar(10), Draw(&random, 1));
-        for (int k = 0; k < 2; k++)
-        {
-            btScalar turn = part / (sizes[0] + sizes[1]);
-            motions[k][0] = common * known[k];
-            motions[k][0].getOrigin() += DrawVector(&random, part / 4);
-            motions[k][1] = motions[k][0] * DrawMotion(&random, 0, turn);
-            motions[k][1].getOrigin() += DrawVector(&random, part);
-        }
-        bool apart = qcPairContacts::StayApart(pair, {motions[0][0], motions[0][1], triangles[0].Radius()},
-                                               {motions[1][0], motions[1][1], triangles[1].Radius()});
+        MovedPair moved(&random);
+        bool apart = qcPairContacts::StayApart(moved.pair, moved.Motion(0), moved.Motion(1));
         bool meets = false;
         for (int sample = 0; sample <= 16 && !meets; sample++)
-        {
-            triangles[0].At(motions[0][0], motions[0][1], sample / 16.0, a);
-            triangles[1].At(motions[1][0], motions[1][1], sample / 16.0, b);
-            meets = DistanceOf(a, b) <= 0;
-        }
+            meets = moved.DistanceAt(sample / 16.0) <= 0;
         ck_assert(!apart || !meets);
         proven += apart;
         met += meets;
     }
     ck_assert_int_gt(proven, 2000);
     ck_assert_int_gt(met, 100);
+}
+END_TEST
+
+START_TEST(no_pair_is_nearer_than_the_gap_that_its_motion_leaves)
+{
+    Random random(3);
+    int left = 0;
+    for (int i = 0; i < 20000; i++)
+    {
+        MovedPair moved(&random);
+        for (int end = 0; end < 2; end++)
+        {
+            btScalar gap = qcGapAfter(moved.pair, moved.MotionSince(0, end), moved.MotionSince(1, end));
+            ck_assert_double_le(double(gap), moved.DistanceAt(end));
+            left += double(gap) > moved.pair.gap / 10;
+        }
+        moved.pair.isKnown = false;
+        ck_assert_double_eq(double(qcGapAfter(moved.pair, moved.MotionSince(0, 0), moved.MotionSince(1, 0))), 0);
+    }
+    ck_assert_int_gt(left, 5000);
 }
 END_TEST
 
@@ -261,7 +306,8 @@ START_TEST(a_shape_that_changes_while_its_pair_is_apart_is_queried_when_they_mee
 END_TEST
 } // namespace
 
-QC_RUN_TESTS("mesh pairs", no_pair_that_stays_apart_meets_on_the_way, no_points_of_two_boxes_are_nearer_than_their_gap,
+QC_RUN_TESTS("mesh pairs", no_pair_that_stays_apart_meets_on_the_way,
+             no_pair_is_nearer_than_the_gap_that_its_motion_leaves, no_points_of_two_boxes_are_nearer_than_their_gap,
              meshes_whose_boxes_are_apart_are_not_queried_until_they_come_near,
              a_pair_at_rest_is_not_queried_while_another_moves, bodies_that_move_as_one_are_queried_once,
              a_shape_that_changes_while_its_pair_is_apart_is_queried_when_they_meet_again)
