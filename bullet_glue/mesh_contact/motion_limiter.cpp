@@ -410,6 +410,15 @@ void qcMotionLimiter::KeepTouching(const qcSweptPair& pair, const btVector3& axi
     m_areTouching = true;
 }
 
+void qcMotionLimiter::SortPairs()
+{
+    std::sort(m_pairs.begin(), m_pairs.end(),
+              [](const qcSweptPair& x, const qcSweptPair& y) {
+                  return std::make_pair(x.first->number, x.second->number) <
+                         std::make_pair(y.first->number, y.second->number);
+              });
+}
+
 /// True if one direction separates two small meshes as a whole at the start and at the end of the step. New objects
 /// that touch, up to rounding, are exempt: planes only keep them from going deeper.
 bool qcMotionLimiter::IsSeparated(const qcSweptPair& pair)
@@ -505,6 +514,7 @@ qcStatus qcMotionLimiter::Certify()
         if (round > 0)
             SkipSettledPairs(reported);
         SkipProvenPairs();
+        SortPairs();
         SkipSeparatedPairs();
         bool isStopped = !m_pairs.empty() && StopPairs(round, &reported);
         if (m_status != qc_statusOk || (!isStopped && (!m_areTouching || round >= s_planeRounds)))

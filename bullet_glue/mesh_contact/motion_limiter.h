@@ -90,6 +90,7 @@ class qcMotionLimiter
     std::map<Numbers, Block> FindBlocks(const qcResult& result) const;
     void Cut(const qcResult& result, int round);
     void SkipProvenPairs();
+    void SortPairs();
     void KeepTouching(const qcSweptPair& pair, const btVector3& axis, btScalar error);
     bool IsSeparated(const qcSweptPair& pair);
     void SkipSeparatedPairs();

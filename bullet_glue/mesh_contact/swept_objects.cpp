@@ -203,11 +203,6 @@ void qcSweptObjects::FindPairs(std::vector<qcSweptPair>* pairs)
             if ((a->moves || b->moves) && IsBelow(a->lower, b->upper) && IsBelow(b->lower, a->upper) && Collide(*a, *b))
                 pairs->emplace_back(a, b);
         }
-    std::sort(pairs->begin(), pairs->end(),
-              [](const qcSweptPair& x, const qcSweptPair& y) {
-                  return std::make_pair(x.first->number, x.second->number) <
-                         std::make_pair(y.first->number, y.second->number);
-              });
 }
 
 void qcSweptObjects::RecordEnds()

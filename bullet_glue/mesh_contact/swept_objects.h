@@ -66,7 +66,7 @@ class qcSweptObjects
     /// Reads the present transforms as the targets. Meshes of objects that left the world are removed from the scene.
     /// True if an object has moved.
     bool ReadTargets(qcScene* scene);
-    /// The pairs that collide and whose boxes overlap, sorted; at least one of the two has moved.
+    /// The pairs that collide and whose boxes overlap; at least one of the two has moved.
     void FindPairs(std::vector<qcSweptPair>* pairs);
     /// The next step starts at the present transforms.
     void RecordEnds();
