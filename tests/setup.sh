@@ -30,6 +30,10 @@ qc_packages()
             display) echo xvfb xauth ;;
             # tests/run.sh --sanitize memory, tests/fuzz/run.sh
             clang) echo clang llvm libclang-rt-dev ;;
+            # tests/lint.sh
+            lint) echo clang-format clang-tidy cppcheck shellcheck ;;
+            # tests/coverage.sh
+            coverage) echo gcovr ;;
             # For the target docs and its test; without it that test is skipped.
             docs) echo doxygen ;;
         esac

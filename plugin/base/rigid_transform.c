@@ -9,7 +9,7 @@ static const double s_maxCondition = 4096.0;
 static double RowSum(const double m[9])
 {
     double largest = 0.0;
-    for (int i = 0; i < 3; i++)
+    for (size_t i = 0; i < 3; i++)
         largest = fmax(largest, fabs(m[3 * i]) + fabs(m[3 * i + 1]) + fabs(m[3 * i + 2]));
     return largest;
 }
@@ -55,11 +55,11 @@ static double Size(const qcRigidTransform* p, int axis)
 static double FindNorm(const double m[9])
 {
     double largest = 0.0;
-    for (int i = 0; i < 3; i++)
+    for (size_t i = 0; i < 3; i++)
     {
         const double* row = m + 3 * i;
         double sum = 0.0;
-        for (int k = 0; k < 3; k++)
+        for (size_t k = 0; k < 3; k++)
             sum += fabs(row[0] * m[3 * k] + row[1] * m[3 * k + 1] + row[2] * m[3 * k + 2]);
         largest = fmax(largest, sum);
     }
@@ -70,7 +70,7 @@ qcRelativeTransform qcRelativeTransform_Find(const qcRigidTransform* a, const qc
 {
     qcRelativeTransform r = {.stretch = 0.0};
     double inverse[9], condition = Invert(a->transform.linear, inverse);
-    for (int i = 0; i < 3; i++)
+    for (size_t i = 0; i < 3; i++)
     {
         const double* row = inverse + 3 * i;
         double size = 0.0;

@@ -99,7 +99,7 @@ static bool TestTree(const qcBoxQuery* query, const qcBoxTree* tree)
         const qcOctet* octet = &shape->octets[shape->first[node.level] + node.octet];
         if (node.level == 0)
         {
-            if (!TestLanes(query, octet, &QC_AT(uint32_t, tree->ids, qc_lanes * node.octet)))
+            if (!TestLanes(query, octet, &QC_AT(uint32_t, tree->ids, (size_t)qc_lanes * node.octet)))
                 return false;
             continue;
         }

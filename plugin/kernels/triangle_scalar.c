@@ -169,7 +169,7 @@ static inline void StoreEnds(EightFloats lower, EightFloats upper, const qcBox8*
     Shorts first, empty;
     __builtin_memcpy(&first, source->ends[0], sizeof first);
     empty = first == qc_emptyEnd;
-    for (int k = 0; k < 2; k++)
+    for (size_t k = 0; k < 2; k++)
     {
         Shorts stored = __builtin_convertvector(ends[k], Shorts);
         stored = (stored & ~empty) | (first & empty);

@@ -189,7 +189,7 @@ static void ChooseBlock(void* context, size_t block, uint32_t worker)
     const qcContactInput* input = job->input;
     qcProjectedOverlap overlaps[2];
     Best best = {.overlap = &overlaps[0], .spare = &overlaps[1]};
-    if (!qcPairOverlaps_Reserve(job->overlaps, worker, qc_normalBlock * qc_maxOverlapCorners))
+    if (!qcPairOverlaps_Reserve(job->overlaps, worker, (size_t)qc_normalBlock * qc_maxOverlapCorners))
         return;
     for (size_t i = block * qc_normalBlock; i < qcNormalBlocks_End(input, block); i++)
     {

@@ -71,7 +71,7 @@ static qcTriangleView* ViewOf(qcTriangleView* cached, const qcManifoldPair* pair
 
 static qcStatus EmptyViews(qcOverlapWorker* worker)
 {
-    QC_TRY(qcArray_Resize(&worker->views, 2 * qc_cachedViews, sizeof(qcTriangleView), "contact points"));
+    QC_TRY(qcArray_Resize(&worker->views, (size_t)2 * qc_cachedViews, sizeof(qcTriangleView), "contact points"));
     for (size_t i = 0; i < worker->views.count; i++)
         QC_AT(qcTriangleView, worker->views, i).triangle = NULL;
     return qc_statusOk;
@@ -165,7 +165,7 @@ static void TakeSettledBlock(void* context, size_t block, uint32_t worker)
     const Job* job = context;
     qcOverlapWorker* self = qcPairOverlaps_Worker(job->overlaps, worker);
     size_t end = (block + 1) * qc_pointBlock, count = job->input->topology->pairs.count;
-    if (!qcPairOverlaps_Reserve(job->overlaps, worker, qc_pointBlock * qc_maxOverlapCorners) ||
+    if (!qcPairOverlaps_Reserve(job->overlaps, worker, (size_t)qc_pointBlock * qc_maxOverlapCorners) ||
         !qcWorkerResult_Add(&self->result, EmptyViews(self)))
         return;
     for (uint32_t p = (uint32_t)(block * qc_pointBlock); p < (end < count ? end : count); p++)

@@ -233,7 +233,7 @@ static qcStatus GrowComponents(const Job* job, uint32_t* references, qcArray* so
     {
         uint32_t p = PairAt(job, i);
         if (i % qc_linkRoom == 0)
-            QC_TRY(qcArray_Reserve(job->links, job->links->count + 2 * qc_linkRoom * qc_maxAdjacentPairs,
+            QC_TRY(qcArray_Reserve(job->links, job->links->count + (size_t)2 * qc_linkRoom * qc_maxAdjacentPairs,
                                    sizeof(qcSortItem), "orientation of normals"));
         for (int side = 0; side < 2 && Region(job, p)->ambiguous; side++)
             AddLinks(job, p, side);

@@ -228,7 +228,7 @@ QC_INLINE void ComputeEdges(qcTriangleView* view, qcVector direction)
     Vectors edge = VectorsMinus(LoadCorners(view->triangle, 1), corner);
     Vectors across = {edge.y * n.z - edge.z * n.y, edge.z * n.x - edge.x * n.z, edge.x * n.y - edge.y * n.x};
     Lanes inner = VectorsDot(across, VectorsMinus(LoadCorners(view->triangle, 2), corner));
-    const Lanes *edges = &edge.x, *acrosses = &across.x;
+    const Lanes *edges = (const Lanes*)&edge, *acrosses = (const Lanes*)&across;
     for (int axis = 0; axis < 3; axis++)
     {
         StoreLanes(edges[axis], view->edge[axis]);

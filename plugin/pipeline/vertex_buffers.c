@@ -6,6 +6,7 @@
 #include "gl/buffers/vertex_snapshot.h"
 #include "scene/float_positions.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum
@@ -78,6 +79,7 @@ qcStatus qcVertexBuffers_Complete(const qcBody* body, uint32_t slot, uint64_t* b
     float* positions = qcAllocate(size);
     if (positions == NULL && size != 0)
         return qcFailMemory(size, "positions from the device");
+    assert(positions != NULL || body->vertexCount == 0);
     qcStatus status = qcVertexSnapshot_Read(snapshot, positions);
     for (size_t i = 0; i < 3 * (size_t)body->vertexCount && status == qc_statusOk; i++)
         body->world[i] = (double)positions[i];

@@ -28,15 +28,15 @@ static unsigned WidthOf(uint64_t bits)
 
 static void Unpack(const unsigned char* bytes, unsigned width, uint64_t words[qc_blockVertices])
 {
-    unsigned char padded[4 * 64 + 2 * sizeof(uint64_t)] = {0};
+    unsigned char padded[(size_t)4 * 64 + 2 * sizeof(uint64_t)] = {0};
     memcpy(padded, bytes, 4 * (size_t)width);
     const uint64_t mask = width == 64 ? UINT64_MAX : ((uint64_t)1 << width) - 1;
-    for (unsigned i = 0, bit = 0; i < qc_blockVertices; i++, bit += width)
+    for (size_t i = 0, bit = 0; i < qc_blockVertices; i++, bit += width)
     {
         uint64_t low, high;
         memcpy(&low, padded + bit / 64 * 8, sizeof low);
         memcpy(&high, padded + bit / 64 * 8 + 8, sizeof high);
-        unsigned shift = bit % 64;
+        size_t shift = bit % 64;
         words[i] = (low >> shift | (shift == 0 ? 0 : high << (64 - shift))) & mask;
     }
 }

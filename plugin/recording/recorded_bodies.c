@@ -3,6 +3,7 @@
 
 #include "base/status.h"
 
+#include <assert.h>
 #include <string.h>
 
 qcStatus qcRecordedBodies_Add(qcRecordedBodies* bodies, uint32_t slot, bool deforming, uint32_t vertexCount)
@@ -34,6 +35,7 @@ qcStatus qcRecordedBodies_Remove(qcRecordedBodies* bodies, uint32_t slot)
 {
     qcRecordedBody* body = NULL;
     QC_TRY(qcRecordedBodies_Find(bodies, slot, &body));
+    assert(body != NULL);
     qcPositionHistory_Free(&body->positions);
     body->generation++;
     if (slot < bodies->lowestFree)

@@ -10,6 +10,7 @@
 #include "recording/snapshot.h"
 #include "quickcullide/hash.h"
 
+#include <assert.h>
 #include <string.h>
 
 /// The indices of a body, written once.
@@ -75,6 +76,7 @@ qcStatus qcSceneRecorder_Open(const char* path, qcDevice* device, const qcBodies
     qcSceneRecorder* opened = NULL;
     QC_TRY(qcRecordWriter_Open(&writer, path, NULL));
     QC_TRY(Start(&writer, device, &opened));
+    assert(opened != NULL);
     qcSnapshot_Write(opened, bodies);
     // A full disk shows at once.
     qcRecordWriter_Flush(&opened->writer);

@@ -7,6 +7,7 @@
 #include "scene/float_positions.h"
 #include "scene/vertex_input.h"
 
+#include <assert.h>
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -164,6 +165,7 @@ static qcStatus FindUsed(qcBody* body)
     uint8_t* used = qcAllocateZeroed(body->vertexCount);
     if (used == NULL && body->vertexCount != 0)
         return qcFailMemory(body->vertexCount, "marking vertices");
+    assert(used != NULL || body->triangleCount == 0);
     size_t count = 0;
     for (size_t i = 0; i < 3 * (size_t)body->triangleCount; i++)
     {

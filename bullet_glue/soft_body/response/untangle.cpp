@@ -405,8 +405,9 @@ void Apply(const std::vector<Shift>& shifts)
     for (const Shift& shift : shifts)
     {
         btScalar factor = 1;
-        shift.fields.ForEachMoved(shift.impulse, [&](qcSceneSoftBody& soft, uint32_t node, const btVector3&)
-                                  { factor = std::max(factor, sums[&soft][node].length() / (s_shift * shift.thickness)); });
+        shift.fields.ForEachMoved(
+            shift.impulse, [&](qcSceneSoftBody& soft, uint32_t node, const btVector3&)
+            { factor = std::max(factor, sums[&soft][node].length() / (s_shift * shift.thickness)); });
         shift.fields.ForEachMoved(shift.impulse / factor,
                                   [&](qcSceneSoftBody& soft, uint32_t node, const btVector3& by)
                                   {

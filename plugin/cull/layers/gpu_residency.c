@@ -101,7 +101,7 @@ static qcStatus SyncSlots(const Prepare* p)
 static qcStatus AssignBodies(const Prepare* p)
 {
     qcGpuResidency* residency = p->residency;
-    if (2 * residency->freedNodes > residency->used[qc_layersNodes])
+    if (2 * (uint64_t)residency->freedNodes > residency->used[qc_layersNodes])
         qcGpuResidency_Forget(residency);
     for (uint32_t body = 0; body < p->job->triangles->bodyCount; body++)
     {
@@ -284,7 +284,7 @@ static bool FindTransform(const qcBodyResidency* resident, const qcBody* body, c
     double size = ldexp(1.0, resident->exponent);
     for (int i = 0; i < 3; i++)
     {
-        const double* row = body->transform.linear + 3 * frame->axes[i];
+        const double* row = body->transform.linear + (size_t)3 * frame->axes[i];
         double shift = body->transform.translation[frame->axes[i]], world = fabs(shift), rho = 0.0;
         double at = shift - frame->origin[i];
         for (int j = 0; j < 3; j++)

@@ -277,7 +277,7 @@ static void RunVertices(const struct qcGlFunctions* gl, qcLayers* layers)
     const qcLayersStep* step = &layers->step;
     void* lists = layers->buffers.mapped[qc_workLists];
     size_t words = qc_counterWords + (size_t)CellCount(step);
-    uint64_t chunks = OwnChunkCount(step), share = qc_layersChunkSize * qc_resetShare;
+    uint64_t chunks = OwnChunkCount(step), share = (uint64_t)qc_layersChunkSize * qc_resetShare;
     uint64_t groups = (words + share - 1) / share;
     if (qcLayers_SharesVertices(layers) && step->chunkCount == 0)
     {

@@ -141,7 +141,7 @@ void qcPictureMeshes_Upload(const struct qcGlFunctions* gl, qcPictureMeshes* mes
     for (GLuint i = 0; i < 2; ++i)
     {
         gl->VertexAttribPointer(i, 3, GL_FLOAT, GL_FALSE, qc_vertexFloats * sizeof(float),
-                                (const void*)(3 * i * sizeof(float)));
+                                (const void*)((size_t)3 * i * sizeof(float)));
         gl->EnableVertexAttribArray(i);
     }
 }

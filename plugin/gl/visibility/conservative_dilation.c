@@ -147,7 +147,7 @@ void qcDilation_Apply(const qcDilation* dilation, const float* corners, uint32_t
     for (uint32_t t = 0; t < triangleCount; t++)
     {
         Point points[3];
-        for (int i = 0; i < 3; i++)
+        for (size_t i = 0; i < 3; i++)
         {
             const float* corner = corners + 9 * (size_t)t + 3 * i;
             points[i] = (Point){corner[axes[0]], corner[axes[1]], corner[axes[2]]};

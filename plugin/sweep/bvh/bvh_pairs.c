@@ -234,7 +234,8 @@ static NodePair ChildAt(NodePair nodes, uint32_t bit)
 static void Prefetch(const qcTriangleBvh* bvh, uint32_t node)
 {
     const qcBvhBoxes boxes = BoxesOf(bvh, &bvh->fit);
-    const char *own = (const char*)&boxes.nodes[node], *clusters = (const char*)&boxes.clusters[node * qc_boxLanes];
+    const char *own = (const char*)&boxes.nodes[node],
+               *clusters = (const char*)&boxes.clusters[(size_t)node * qc_boxLanes];
     __builtin_prefetch(own);
     __builtin_prefetch(own + sizeof(qcBox8) - 1);
     for (size_t at = 0; at < qc_boxLanes * sizeof(qcBox8); at += 64)
@@ -407,6 +408,7 @@ static bool MapEnd(const MotionEnd* end, const qcLatticeTransform* reference, qc
 /// around it.
 static void FindMotion(Search* s)
 {
+    assert(s->motion != NULL);
     const qcTriangleBvh* bvhs[2] = {s->a, s->b};
     const qcBody* bodies[2] = {s->job->bodyA, s->job->bodyB};
     for (int t = 0; t < 2; t++)
@@ -564,7 +566,7 @@ qcStatus qcBvhPairs_Find(qcBvhPairs* pairs, const qcBvhPairsJob* jobs, size_t jo
     threads = clusters < qc_minClusters ? 1 : threads;
     QC_TRY(FindAllNodePairs(&run, clusters, threads));
     size_t count = pairs->nodePairs.count;
-    run.share = threads > 1 ? count / (threads * qc_tasksPerThread) + 1 : count;
+    run.share = threads > 1 ? count / ((size_t)threads * qc_tasksPerThread) + 1 : count;
     if (count != 0)
         qcParallel_For(threads, (count + run.share - 1) / run.share, 2, SearchTask, &run);
     return qc_statusOk;

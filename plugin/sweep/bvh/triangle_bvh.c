@@ -222,7 +222,7 @@ static qcStatus GetPositions(const qcBody* body, const Pose* pose, bool isLocal,
 
 static qcStatus ReserveRows(const qcTriangleBvh* bvh, qcBvhScratch* scratch)
 {
-    size_t rowCount = 2 * qc_boxLanes;
+    size_t rowCount = (size_t)2 * qc_boxLanes;
     for (uint32_t level = 0; level < bvh->levels; level++)
         rowCount += bvh->box8Count[level] + qc_boxLanes;
     QC_TRY(qcArray_Resize(&scratch->vertices, (size_t)bvh->vertexCount + 1, sizeof(qcBoxRow), "fitting a BVH"));

@@ -134,7 +134,7 @@ static bool ShareVertex(const qcCorners* a, const qcCorners* b)
 static void PushFarPair(Search* s, uint32_t slot, uint32_t far)
 {
     const qcCorners* corners = s->sides[0].corners;
-    bool isPushed = slot == far || (s->flags[slot] == qc_motionLarge && slot < far);
+    bool isPushed = slot == far || (slot < far && s->flags[slot] == qc_motionLarge);
     if (!isPushed && !ShareVertex(&corners[slot], &corners[far]))
         Push(s, (qcSlotPair){slot, far});
 }
