@@ -3,6 +3,7 @@
 
 #include "support/devices.h"
 #include "base/parallel_for.h"
+#include "support/sanitizers.h"
 #include "support/scenes.h"
 #include "support/suite.h"
 
@@ -508,6 +509,8 @@ END_TEST
 
 START_TEST(a_child_process_starts_its_own_threads)
 {
+    if (!qcChildrenCanStartThreads())
+        return;
     User parent, child;
     StepOften(&parent, 3);
     pid_t pid = fork();

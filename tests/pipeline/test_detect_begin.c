@@ -4,6 +4,7 @@
 #include "support/failing_heap.h"
 #include "support/replay.h"
 #include "support/run_program.h"
+#include "support/sanitizers.h"
 #include "support/scenes.h"
 #include "support/suite.h"
 
@@ -419,6 +420,8 @@ static int GoOnInChild(World* world, const qcDetectDef* def, uint64_t pairs)
 
 START_TEST(a_child_process_ends_the_step_that_was_pending_at_fork)
 {
+    if (!qcChildrenCanStartThreads())
+        return;
     World world = MakeWorld(NULL, 14), direct = MakeWorld(NULL, 14);
     qcDetectDef def = DefOf(qc_methodSweep, 2), held = def;
     const qcResult* result;

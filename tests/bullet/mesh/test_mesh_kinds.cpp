@@ -47,9 +47,9 @@ END_TEST
 
 START_TEST(a_ghost_with_a_mesh_finds_the_meshes_that_it_overlaps)
 {
+    btGhostPairCallback ghostPairs; // used until the world's end
     qcMeshWorld world;
     qcAddFloor(world, qc_floorStatic);
-    btGhostPairCallback ghostPairs;
     world.world.getPairCache()->setInternalGhostPairCallback(&ghostPairs);
     btCollisionShape* shape = world.Keep(qcCubeModel().MakeShape());
     btRigidBody* cube = world.Add(shape, 1, s_up * btScalar(0.51));
