@@ -99,7 +99,7 @@ tests/bullet/recording       tests/support tests/bullet/broadphase tests/bullet/
 tests/long                  tests/support tests/bullet/broadphase tests/bullet/mesh plugin/base plugin/scene plugin/broadphase plugin/pipeline bullet_glue/common
 tests/tools                 tests/support demos/...
 tests/models                demos/common/mesh_io
-tests/fuzz                  tests/support plugin/base plugin/triangle demos/common/mesh_io
+tests/fuzz                  tests/support tests/triangle plugin/base plugin/triangle demos/common/mesh_io
 tests/house/golden
 tests/house                 tests/support
 tests/house/installed

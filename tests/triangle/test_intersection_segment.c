@@ -1,69 +1,13 @@
 // The ends of the intersection segment of two triangles, against the corners of the exact intersection. QC_TEST_PAIRS
 // in the environment raises the number of generated pairs.
 #include "triangle/exact.h"
-#include "support/oracle.h"
-#include "support/pairs.h"
+#include "triangle/pair_claims.h"
 #include "support/suite.h"
 
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-// The position of an end along an edge is a ratio of two determinants that are right to 20 bits. An error of 2^-19 of
-// the ratio moves the end by at most a quarter of that, times an edge of up to twice the largest coordinate.
-static const double s_tolerance = 0x1p-20;
-// The rounding of subnormal coordinates.
-static const double s_smallestDouble = 0x1p-1074;
-
-static bool AreNear(const double p[3], const double q[3], double tolerance)
-{
-    for (int axis = 0; axis < 3; ++axis)
-        if (!(fabs(p[axis] - q[axis]) <= tolerance))
-            return false;
-    return true;
-}
-
-// In units of `largest`, in which nothing overflows or underflows.
-static double GetLength(const double p[3], const double q[3], double largest)
-{
-    double difference[3];
-    for (int axis = 0; axis < 3; ++axis)
-        difference[axis] = p[axis] / largest - q[axis] / largest;
-    return sqrt(difference[0] * difference[0] + difference[1] * difference[1] + difference[2] * difference[2]);
-}
-
-static double GetMaxLength(const qcOracleAnswer* exact, double largest)
-{
-    double length = 0;
-    for (int i = 0; i < exact->pointCount; ++i)
-        for (int j = 0; j < i; ++j)
-            length = fmax(length, GetLength(exact->points[i], exact->points[j], largest));
-    return length;
-}
-
-static void CheckSegment(const qcTrianglePair* pair, const qcOracleAnswer* exact)
-{
-    char text[1024];
-    qcSegment s;
-    qcExact_Segment(pair->a, pair->b, &s);
-    const double largest = qcTrianglePair_GetLargest(pair);
-    const double tolerance = s_tolerance * largest + 4 * s_smallestDouble;
-    bool nearP = false, nearQ = false;
-    for (int i = 0; i < exact->pointCount; ++i)
-    {
-        nearP = nearP || AreNear(s.p, exact->points[i], tolerance);
-        nearQ = nearQ || AreNear(s.q, exact->points[i], tolerance);
-    }
-    ck_assert_msg(nearP && nearQ, "an end of (%a, %a, %a) (%a, %a, %a) is no corner for %s", s.p[0], s.p[1], s.p[2],
-                  s.q[0], s.q[1], s.q[2], qcTrianglePair_Print(pair, text));
-    if (largest == 0)
-        return;
-    double got = GetLength(s.p, s.q, largest), expected = GetMaxLength(exact, largest);
-    ck_assert_msg(fabs(got - expected) <= 4 * tolerance / largest,
-                  "(%a, %a, %a) (%a, %a, %a) are not the farthest corners for %s", s.p[0], s.p[1], s.p[2], s.q[0],
-                  s.q[1], s.q[2], qcTrianglePair_Print(pair, text));
-}
 
 //  ---- by example ------------------------------------------------------------------------------------------
 
@@ -74,8 +18,8 @@ static void CheckEnds(const double a[3][3], const double b[3][3], const double p
         qcSegment s;
         qcExact_Segment(exchanged ? b : a, exchanged ? a : b, &s);
         const double rounding = 0x1p-48; // the coordinates are below 4, in general position
-        ck_assert_msg((AreNear(s.p, p, rounding) && AreNear(s.q, q, rounding)) ||
-                          (AreNear(s.p, q, rounding) && AreNear(s.q, p, rounding)),
+        ck_assert_msg((qcAreNear(s.p, p, rounding) && qcAreNear(s.q, q, rounding)) ||
+                          (qcAreNear(s.p, q, rounding) && qcAreNear(s.q, p, rounding)),
                       "(%g, %g, %g) (%g, %g, %g)", s.p[0], s.p[1], s.p[2], s.q[0], s.q[1], s.q[2]);
     }
 }
@@ -165,7 +109,7 @@ START_TEST(ends_are_the_farthest_corners_of_the_exact_intersection)
         if (exact.relation != qc_relationPenetrating)
             continue;
         ++penetrating;
-        CheckSegment(&pair, &exact);
+        qcClaim_Segment(&pair, &exact);
     }
     ck_assert_int_gt(penetrating, count / 20);
 }

@@ -1,124 +1,31 @@
 // Certificates of motion against exact arithmetic: their directions in integers (GMP), and the triangles themselves at
 // times k / 64, which are exact in double for these pairs.
 #include "support/oracle.h"
-#include "support/oracle_integers.h"
 #include "support/suite.h"
 #include "triangle/motion_certificate.h"
-#include "triangle/moving_pairs.h"
+#include "triangle/motion_claims.h"
 
 #include <stdio.h>
 #include <string.h>
 
 enum
 {
-    qc_times = 64,
     qc_sampleStep = 4 ///< every fourth time, from a random one on; and half time and both ends
 };
 
 //  ---- what is claimed ---------------------------------------------------------------------------------------------
 
-/// Integers that are used again for each pair.
-typedef struct Integers
-{
-    mpz_t corner[qc_cornerCount][3], direction[3], product, lowest, highest;
-} Integers;
-
-static void InitIntegers(Integers* x)
-{
-    mpz_inits(x->product, x->lowest, x->highest, NULL);
-    for (int axis = 0; axis < 3; axis++)
-    {
-        mpz_init(x->direction[axis]);
-        for (int i = 0; i < qc_cornerCount; i++)
-            mpz_init(x->corner[i][axis]);
-    }
-}
-
-static void ClearIntegers(Integers* x)
-{
-    mpz_clears(x->product, x->lowest, x->highest, NULL);
-    for (int axis = 0; axis < 3; axis++)
-    {
-        mpz_clear(x->direction[axis]);
-        for (int i = 0; i < qc_cornerCount; i++)
-            mpz_clear(x->corner[i][axis]);
-    }
-}
-
-/// All corners of A are above all corners of B along the direction.
-static bool IsAbove(Integers* x, const double direction[3], const double corners[qc_cornerCount][3])
-{
-    mpz_t* integers[3 * qc_cornerCount];
-    const double* values[3 * qc_cornerCount];
-    for (int axis = 0; axis < 3; axis++)
-    {
-        integers[axis] = &x->direction[axis];
-        values[axis] = &direction[axis];
-    }
-    (void)qcOracle_ToIntegers(integers, values, 3);
-    for (int i = 0; i < 3 * qc_cornerCount; i++)
-    {
-        integers[i] = &x->corner[i / 3][i % 3];
-        values[i] = &corners[i / 3][i % 3];
-    }
-    (void)qcOracle_ToIntegers(integers, values, 3 * qc_cornerCount);
-    for (int i = 0; i < qc_cornerCount; i++)
-    {
-        mpz_mul(x->product, x->direction[0], x->corner[i][0]);
-        mpz_addmul(x->product, x->direction[1], x->corner[i][1]);
-        mpz_addmul(x->product, x->direction[2], x->corner[i][2]);
-        mpz_t* bound = i < 3 ? &x->lowest : &x->highest;
-        if (i % 3 == 0 || (i < 3 ? mpz_cmp(x->product, *bound) < 0 : mpz_cmp(x->product, *bound) > 0))
-            mpz_set(*bound, x->product);
-    }
-    return mpz_cmp(x->lowest, x->highest) > 0;
-}
-
-/// Whether the hulls of some corners have a common point.
-static bool Meet(const double corners[qc_cornerCount][3], const int a[3], const int b[3])
-{
-    double p[3][3], q[3][3];
-    for (int i = 0; i < 3; i++)
-    {
-        memcpy(p[i], corners[a[i]], sizeof p[i]);
-        memcpy(q[i], corners[b[i]], sizeof q[i]);
-    }
-    return qcRelateTriangles(p[0], q[0]) != qc_relationDisjoint;
-}
-
-/// True if the triangles have a common point that is not one of their common vertices or of their common edge. For
-/// neighbours: see the_test_for_neighbours_is_that_of_the_oracle.
-static bool MeetElsewhere(const double corners[qc_cornerCount][3], int common)
-{
-    static const int a[3] = {0, 1, 2}, b[3] = {3, 4, 5}, edgeOfA[3] = {1, 2, 2}, edgeOfB[3] = {4, 5, 5},
-                     cornerOfA[3] = {2, 2, 2}, cornerOfB[3] = {5, 5, 5}, firstA[3] = {0, 2, 2}, firstB[3] = {3, 5, 5};
-    if (common == 0)
-        return Meet(corners, a, b);
-    if (common == 1)
-        return Meet(corners, edgeOfA, b) || Meet(corners, edgeOfB, a);
-    return Meet(corners, cornerOfA, b) || Meet(corners, cornerOfB, a) || Meet(corners, firstA, edgeOfB) ||
-           Meet(corners, edgeOfA, firstB);
-}
-
-/// At time k / 64, times 64: exact.
-static void GetPositions(const Pair* pair, int k, double corners[qc_cornerCount][3])
-{
-    for (int i = 0; i < qc_cornerCount; i++)
-        for (int axis = 0; axis < 3; axis++)
-            corners[i][axis] = (qc_times - k) * pair->at[0][i][axis] + k * pair->at[1][i][axis];
-}
-
 static bool MeetAtSampledTime(qcRandom* random, const Class* c, const Pair* pair)
 {
     for (int t = 0; t < 2; t++)
-        if (MeetElsewhere(pair->at[t], pair->common))
+        if (qcClaim_MeetElsewhere(pair->at[t], pair->common))
             return true;
     int first = 1 + (int)qcRandom_Below(random, qc_sampleStep);
     for (int k = first - qc_sampleStep; k < qc_times && !c->isOffLattice; k += qc_sampleStep)
     {
         double corners[qc_cornerCount][3];
-        GetPositions(pair, k < 0 ? qc_times / 2 : k, corners);
-        if (MeetElsewhere(corners, pair->common))
+        qcClaim_GetPositions(pair, k < 0 ? qc_times / 2 : k, corners);
+        if (qcClaim_MeetElsewhere(corners, pair->common))
             return true;
     }
     return false;
@@ -147,7 +54,7 @@ static void GetTriangle(const Pair* pair, int first, uint32_t order, qcMovingTri
 }
 
 /// In any order of the corners and of the triangles.
-static bool Certify(qcRandom* random, Integers* integers, const Class* c, const Pair* pair)
+static bool Certify(qcRandom* random, const Class* c, const Pair* pair)
 {
     qcMovingTriangle a, b;
     uint32_t indicesA[3], indicesB[3];
@@ -165,7 +72,7 @@ static bool Certify(qcRandom* random, Integers* integers, const Class* c, const 
     for (int axis = 0; axis < 3 && isReversed; axis++)
         direction[axis] = -direction[axis];
     for (int t = 0; t < 2 && apart; t++)
-        if (!IsAbove(integers, direction, pair->at[t]))
+        if (!qcClaim_IsAbove(direction, pair->at[t]))
             Fail(c, pair,
                  t == 0 ? "the direction doesn't separate the start" : "the direction doesn't separate the end");
     return apart;
@@ -213,20 +120,17 @@ START_TEST(nothing_that_is_certified_meets)
 {
     const Class* c = &s_classes[_i];
     qcRandom random = {1000 + (uint64_t)_i};
-    Integers integers;
-    InitIntegers(&integers);
     int count = qcGetTestPairCount(300000) / qc_classCount, certified = 0, met = 0;
     for (int i = 0; i < count; i++)
     {
         Pair pair;
         MakePair(&random, c, &pair);
-        bool apart = Certify(&random, &integers, c, &pair), meets = MeetAtSampledTime(&random, c, &pair);
+        bool apart = Certify(&random, c, &pair), meets = MeetAtSampledTime(&random, c, &pair);
         if (apart && meets)
             Fail(c, &pair, "a certified pair meets");
         certified += apart;
         met += meets;
     }
-    ClearIntegers(&integers);
     printf("%-24s %9d pairs %9d certified %9d met %9d neither\n", c->name, count, certified, met,
            count - certified - met);
     ck_assert_int_ge(certified, (int)(c->minShare * (count - met)));
@@ -251,7 +155,7 @@ START_TEST(the_test_for_neighbours_is_that_of_the_oracle)
         Pair pair;
         MakePair(&random, c, &pair);
         double at[qc_cornerCount][3];
-        GetPositions(&pair, (int)qcRandom_Below(&random, 3) * qc_times / 2, at);
+        qcClaim_GetPositions(&pair, (int)qcRandom_Below(&random, 3) * qc_times / 2, at);
         const double(*corners)[3] = (const double(*)[3])at;
         if (IsDegenerate(corners) || IsDegenerate(corners + 3))
             continue;
@@ -259,7 +163,7 @@ START_TEST(the_test_for_neighbours_is_that_of_the_oracle)
         qcOracleAnswer answer;
         qcOracle_Intersect(corners, corners + 3, &answer);
         bool meets = answer.pointCount != c->common;
-        ck_assert_int_eq(meets, MeetElsewhere(corners, c->common));
+        ck_assert_int_eq(meets, qcClaim_MeetElsewhere(corners, c->common));
         (meets ? met : apart)[c->common]++;
     }
     for (int common = 1; common <= 2; common++)

@@ -1,8 +1,7 @@
 // Closest points, distance, normal and depth of two triangles, against examples and rational arithmetic.
 // QC_TEST_PAIRS in the environment raises the number of generated pairs.
 #include "triangle/exact.h"
-#include "support/oracle.h"
-#include "support/pairs.h"
+#include "triangle/pair_claims.h"
 #include "triangle/proximity.h"
 #include "support/suite.h"
 
@@ -10,9 +9,6 @@
 #include <float.h>
 #include <math.h>
 #include <string.h>
-
-// Accuracy relative to the extent, as documented in scene.h.
-static const double s_relative = 1e-12;
 
 static qcProximity Find(const double a[3][3], const double b[3][3])
 {
@@ -124,162 +120,6 @@ static void MakePair(qcRandom* random, int kind, qcTrianglePair* pair)
         qcTrianglePair_Disturb(random, pair);
 }
 
-/// The largest difference of coordinates to the first corner; infinite where that overflows.
-static double GetExtent(const qcTrianglePair* pair)
-{
-    double extent = 0;
-    for (int i = 0; i < 9; ++i)
-    {
-        extent = fmax(extent, fabs(pair->a[i / 3][i % 3] - pair->a[0][i % 3]));
-        extent = fmax(extent, fabs(pair->b[i / 3][i % 3] - pair->a[0][i % 3]));
-    }
-    return extent;
-}
-
-/// The error of rounding to world coordinates, of any algorithm.
-static double GetWorldRounding(const qcTrianglePair* pair)
-{
-    return 4 * DBL_EPSILON * qcTrianglePair_GetLargest(pair) + 4 * 0x1p-1074;
-}
-
-static double GetDistanceTo(const double point[3], const double triangle[3][3])
-{
-    double corners[3][3];
-    for (int i = 0; i < 3; ++i)
-        memcpy(corners[i], point, sizeof corners[i]);
-    qcOracleDistance* exact = qcOracleDistance_Create((const double(*)[3])corners, triangle);
-    double distance = qcOracleDistance_Get(exact);
-    qcOracleDistance_Destroy(exact);
-    return distance;
-}
-
-/// The gap of A and B along the normal.
-static double GetGap(const qcTrianglePair* pair, const double normal[3])
-{
-    long double low = INFINITY, high = -INFINITY;
-    for (int i = 0; i < 3; ++i)
-    {
-        long double a = 0, b = 0;
-        for (int axis = 0; axis < 3; ++axis)
-        {
-            a += (long double)normal[axis] * ((long double)pair->a[i][axis] - pair->a[0][axis]);
-            b += (long double)normal[axis] * ((long double)pair->b[i][axis] - pair->a[0][axis]);
-        }
-        low = fminl(low, a);
-        high = fmaxl(high, b);
-    }
-    return (double)(low - high);
-}
-
-#define CHECK(condition, what, got, expected)                                                                          \
-    do                                                                                                                 \
-    {                                                                                                                  \
-        char text[1024];                                                                                               \
-        if (!(condition))                                                                                              \
-            ck_abort_msg("%s: %.17g, expected %.17g, extent %g, for %s", what, got, expected, GetExtent(pair),         \
-                         qcTrianglePair_Print(pair, text));                                                            \
-    } while (0)
-
-static void CheckPoints(const qcTrianglePair* pair, const qcProximity* p)
-{
-    double tolerance = s_relative * GetExtent(pair) + GetWorldRounding(pair);
-    double offA = GetDistanceTo(p->pointA, pair->a), offB = GetDistanceTo(p->pointB, pair->b);
-    CHECK(offA <= tolerance, "the point of A is off A", offA, 0.0);
-    CHECK(offB <= tolerance, "the point of B is off B", offB, 0.0);
-}
-
-static void CheckDisjoint(const qcTrianglePair* pair, const qcProximity* p)
-{
-    const double extent = GetExtent(pair), rounding = 4 * 0x1p-1074;
-    qcOracleDistance* exact = qcOracleDistance_Create(pair->a, pair->b);
-    double distance = qcOracleDistance_Get(exact);
-    qcOracleDistance_Destroy(exact);
-    double off = fabs(p->distance - distance);
-    CHECK(off <= s_relative * extent + rounding, "distance", p->distance, distance);
-    CHECK(p->depth == 0, "depth", p->depth, 0.0);
-    CheckPoints(pair, p);
-    double between =
-        sqrt(pow((p->pointA[0] - p->pointB[0]) / extent, 2) + pow((p->pointA[1] - p->pointB[1]) / extent, 2) +
-             pow((p->pointA[2] - p->pointB[2]) / extent, 2));
-    double tolerance = 2 * s_relative + 2 * GetWorldRounding(pair) / extent;
-    CHECK(fabs(between - distance / extent) <= tolerance, "distance of the points", between * extent, distance);
-    // The points are right to about 1e-15 of the extent; the direction between them to that over their distance.
-    double angle = distance > 0 ? 1e-15 * (extent / distance) : 1;
-    double gap = GetGap(pair, p->normal);
-    CHECK(gap >= distance - (s_relative + angle) * extent - rounding, "gap along the normal", gap, distance);
-}
-
-static qcRelation RelateMoved(const qcTrianglePair* pair, const qcProximity* p, double length)
-{
-    double moved[3][3];
-    for (int i = 0; i < 9; ++i)
-        moved[i / 3][i % 3] = pair->a[i / 3][i % 3] + length * p->normal[i % 3];
-    return qcRelateTriangles(&moved[0][0], &pair->b[0][0]);
-}
-
-static bool AreCoplanar(const qcTrianglePair* pair)
-{
-    const double(*a)[3] = pair->a;
-    const double(*b)[3] = pair->b;
-    bool coplanar = true;
-    for (int i = 0; i < 3; ++i)
-        coplanar = coplanar && qcOracle_Orient3d(a[0], a[1], a[2], b[i]) == 0 &&
-                   qcOracle_Orient3d(b[0], b[1], b[2], a[i]) == 0;
-    return coplanar;
-}
-
-static void CheckMeeting(const qcTrianglePair* pair, const qcProximity* p, qcRelation relation)
-{
-    const double extent = GetExtent(pair);
-    CHECK(p->distance == 0, "distance", p->distance, 0.0);
-    CHECK(memcmp(p->pointA, p->pointB, sizeof p->pointA) == 0, "points differ", p->pointA[0], p->pointB[0]);
-    CheckPoints(pair, p);
-    double depth = relation == qc_relationPenetrating ? qcOracle_Depth(pair->a, pair->b) : 0;
-    double tolerance = s_relative * extent + 4 * 0x1p-1074;
-    CHECK(fabs(p->depth - depth) <= tolerance, "depth", p->depth, depth);
-    if (AreCoplanar(pair))
-        CHECK(p->depth == 0, "depth in one plane", p->depth, depth);
-    // Moved by the depth they touch; the rounding of the moved corners is below the tolerance.
-    tolerance += 2 * GetWorldRounding(pair);
-    qcRelation beyond = RelateMoved(pair, p, p->depth + tolerance), within = RelateMoved(pair, p, p->depth - tolerance);
-    CHECK(beyond != qc_relationPenetrating, "moved beyond the depth", p->depth, depth);
-    CHECK(within != qc_relationDisjoint || p->depth <= tolerance, "moved by less than the depth", p->depth, depth);
-}
-
-/// The point lies on the feature that these corners span.
-static void CheckFeature(const qcTrianglePair* pair, const double triangle[3][3], const double point[3],
-                         unsigned corners)
-{
-    CHECK(corners > 0 && corners < 8, "corners of a feature", (double)corners, 7.0);
-    double feature[3][3];
-    int first = corners & 1u ? 0 : corners & 2u ? 1 : 2;
-    for (int c = 0; c < 3; c++)
-        memcpy(feature[c], triangle[corners >> c & 1u ? c : first], sizeof feature[c]);
-    // Corners of a weight below 1e-9 are not part of the feature.
-    double away = GetDistanceTo(point, (const double(*)[3])feature);
-    double tolerance = 4e-9 * GetExtent(pair) + 2 * GetWorldRounding(pair);
-    CHECK(away <= tolerance, "distance from the feature", away, 0.0);
-}
-
-static void CheckPair(const qcTrianglePair* pair)
-{
-    qcRelation relation = qcExact_Relate(pair->a, pair->b, NULL);
-    qcProximity p;
-    qcClosestFeatures features;
-    qcProximity_Of(pair->a, pair->b, relation, &p, &features);
-    if (relation == qc_relationDisjoint)
-    {
-        CheckFeature(pair, pair->a, p.pointA, features.corners[0]);
-        CheckFeature(pair, pair->b, p.pointB, features.corners[1]);
-    }
-    double length = sqrt(p.normal[0] * p.normal[0] + p.normal[1] * p.normal[1] + p.normal[2] * p.normal[2]);
-    CHECK(fabs(length - 1) <= 1e-15, "length of the normal", length, 1.0);
-    if (relation == qc_relationDisjoint)
-        CheckDisjoint(pair, &p);
-    else
-        CheckMeeting(pair, &p, relation);
-}
-
 START_TEST(generated_pairs_have_the_distance_and_the_depth_of_the_oracle)
 {
     qcRandom random = {1200 + (uint64_t)_i};
@@ -290,8 +130,8 @@ START_TEST(generated_pairs_have_the_distance_and_the_depth_of_the_oracle)
         qcTrianglePair pair;
         MakePair(&random, _i, &pair);
         // Larger ones may have a distance that overflows.
-        if (GetExtent(&pair) <= DBL_MAX / 4)
-            CheckPair(&pair);
+        if (qcTrianglePair_GetExtent(&pair) <= DBL_MAX / 4)
+            qcClaim_Proximity(&pair);
     }
 }
 END_TEST
@@ -337,12 +177,12 @@ START_TEST(exchanging_the_two_gives_the_mirror_image)
         if (memcmp(made.a, made.b, sizeof made.a) == 0)
             continue;
         qcProximity p = Find(made.a, made.b), q = Find(made.b, made.a);
-        CHECK(p.distance == q.distance && p.depth == q.depth, "distance", q.distance, p.distance);
+        QC_CLAIM(pair, p.distance == q.distance && p.depth == q.depth, "distance", q.distance, p.distance);
         for (int axis = 0; axis < 3; ++axis)
         {
-            CHECK(p.pointA[axis] == q.pointB[axis], "point of B", q.pointB[axis], p.pointA[axis]);
-            CHECK(p.pointB[axis] == q.pointA[axis], "point of A", q.pointA[axis], p.pointB[axis]);
-            CHECK(p.normal[axis] == -q.normal[axis], "normal", q.normal[axis], -p.normal[axis]);
+            QC_CLAIM(pair, p.pointA[axis] == q.pointB[axis], "point of B", q.pointB[axis], p.pointA[axis]);
+            QC_CLAIM(pair, p.pointB[axis] == q.pointA[axis], "point of A", q.pointA[axis], p.pointB[axis]);
+            QC_CLAIM(pair, p.normal[axis] == -q.normal[axis], "normal", q.normal[axis], -p.normal[axis]);
         }
     }
 }
@@ -371,12 +211,12 @@ START_TEST(results_are_as_accurate_far_from_the_origin)
             made.b[j / 3][j % 3] += offset[j % 3];
         }
         qcProximity p = Find(near.a, near.b), q = Find(made.a, made.b);
-        CHECK(p.distance == q.distance, "distance", q.distance, p.distance);
-        CHECK(p.depth == q.depth, "depth", q.depth, p.depth);
-        CHECK(memcmp(p.normal, q.normal, sizeof p.normal) == 0, "normal", q.normal[0], p.normal[0]);
+        QC_CLAIM(pair, p.distance == q.distance, "distance", q.distance, p.distance);
+        QC_CLAIM(pair, p.depth == q.depth, "depth", q.depth, p.depth);
+        QC_CLAIM(pair, memcmp(p.normal, q.normal, sizeof p.normal) == 0, "normal", q.normal[0], p.normal[0]);
         for (int axis = 0; axis < 3; ++axis)
-            CHECK(fabs(p.pointA[axis] + offset[axis] - q.pointA[axis]) <= 1e-8, "point of A", q.pointA[axis],
-                  p.pointA[axis] + offset[axis]);
+            QC_CLAIM(pair, fabs(p.pointA[axis] + offset[axis] - q.pointA[axis]) <= 1e-8, "point of A", q.pointA[axis],
+                     p.pointA[axis] + offset[axis]);
     }
 }
 END_TEST
@@ -398,9 +238,9 @@ START_TEST(a_power_of_two_scales_lengths_exactly)
             made.b[j / 3][j % 3] = ldexp(made.b[j / 3][j % 3], exponent);
         }
         qcProximity q = Find(made.a, made.b);
-        CHECK(ldexp(p.distance, exponent) == q.distance, "distance", q.distance, ldexp(p.distance, exponent));
-        CHECK(ldexp(p.depth, exponent) == q.depth, "depth", q.depth, ldexp(p.depth, exponent));
-        CHECK(memcmp(p.normal, q.normal, sizeof p.normal) == 0, "normal", q.normal[0], p.normal[0]);
+        QC_CLAIM(pair, ldexp(p.distance, exponent) == q.distance, "distance", q.distance, ldexp(p.distance, exponent));
+        QC_CLAIM(pair, ldexp(p.depth, exponent) == q.depth, "depth", q.depth, ldexp(p.depth, exponent));
+        QC_CLAIM(pair, memcmp(p.normal, q.normal, sizeof p.normal) == 0, "normal", q.normal[0], p.normal[0]);
     }
 }
 END_TEST
@@ -415,7 +255,7 @@ START_TEST(a_vertex_over_a_sliver_has_the_exact_distance)
                                     {0x1.637443bce4ce3p+18, -0x1.16e32e0be3fccp+23, -0x1.11516a17edea4p+22},
                                     {0x1.637443bce4cep+18, -0x1.16e32e0be3fc9p+23, -0x1.11516a17edea4p+22}},
                                    qc_pairKindCount};
-    CheckPair(&sliver);
+    qcClaim_Proximity(&sliver);
 }
 END_TEST
 
