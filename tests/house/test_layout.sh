@@ -100,6 +100,7 @@ tests/long                  tests/support tests/bullet/broadphase tests/bullet/m
 tests/tools                 tests/support demos/...
 tests/models                demos/common/mesh_io
 tests/fuzz                  tests/support tests/triangle plugin/base plugin/triangle demos/common/mesh_io
+tests/fuzz/bullet           tests/fuzz tests/bullet/fracture
 tests/house/golden
 tests/house                 tests/support
 tests/house/installed
