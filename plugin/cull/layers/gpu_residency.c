@@ -284,7 +284,7 @@ static bool FindTransform(const qcBodyResidency* resident, const qcBody* body, c
     double size = ldexp(1.0, resident->exponent);
     for (int i = 0; i < 3; i++)
     {
-        const double* row = body->transform.linear + (size_t)3 * frame->axes[i];
+        const double* row = body->transform.linear + 3 * (size_t)frame->axes[i];
         double shift = body->transform.translation[frame->axes[i]], world = fabs(shift), rho = 0.0;
         double at = shift - frame->origin[i];
         for (int j = 0; j < 3; j++)
