@@ -139,8 +139,12 @@ void HashBroadphase(const char* name, int count)
     {
         if (step % 5 == 0 && int(w.bodies.bodies.size()) <= count)
             for (uint32_t i = 0; i < uint32_t(count) / 8; i++)
+            {
+                // Compilers evaluate arguments in different orders.
+                btQuaternion turn = Turn(random);
                 w.bodies.Add(w.world, shapes[(i + uint32_t(step)) % 5], 1,
-                             Point(random, -1.5, 1.5) + btVector3(0, 3, 0), Turn(random));
+                             Point(random, -1.5, 1.5) + btVector3(0, 3, 0), turn);
+            }
         if (step % 9 == 8)
         {
             size_t at = 1 + qcRandom_Below(&random, uint32_t(w.bodies.bodies.size() - 1));
