@@ -79,7 +79,8 @@ qcStatus qcFragmentFlags_BeginPass(const struct qcGlFunctions* gl, qcFragmentFla
                                    uint32_t stepCount, int axis, float scale)
 {
     QC_TRY(qcArray_Resize(&flags->flags, stepCount, sizeof(uint32_t), "visibility flags"));
-    memset(flags->flags.data, 0, stepCount * sizeof(uint32_t));
+    if (stepCount > 0)
+        memset(flags->flags.data, 0, stepCount * sizeof(uint32_t));
     gl->UseProgram(flags->program);
     gl->Uniform1i(gl->GetUniformLocation(flags->program, "axis"), axis);
     gl->Uniform1f(gl->GetUniformLocation(flags->program, "scale"), scale);
