@@ -101,6 +101,8 @@ void qcFragmentFlags_Read(const struct qcGlFunctions* gl, const qcFragmentFlags*
 {
     uint32_t* failed = flags->flags.data;
     size_t count = flags->flags.count;
+    if (count == 0)
+        return;
     // Flags that can't be read keep this value: hidden is the conservative result.
     memset(failed, 0xff, count * sizeof(uint32_t));
     gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
