@@ -6,7 +6,8 @@
 #include <check.h>
 #include <string.h>
 
-#define HEADER "scene,step,seconds,energy,contacts,depth,remaining,pairs,soft_pairs,bytes,resident,ms,kinetic,hanging,below"
+#define HEADER                                                                                                         \
+    "scene,step,seconds,energy,contacts,depth,remaining,pairs,soft_pairs,bytes,resident,ms,kinetic,hanging,below"
 
 typedef struct Course
 {
