@@ -63,9 +63,11 @@ START_TEST(mistakes_are_named)
     CheckMistakes(CLOTH, mistakes, sizeof mistakes / sizeof mistakes[0]);
     ck_assert_int_eq(Run(CLOTH " --help"), 0);
     ck_assert_ptr_nonnull(strstr(GetOutput(), "--check"));
-    // A driver that does not exist.
-    ck_assert_int_eq(
-        Run("GALLIUM_DRIVER=none MESA_LOADER_DRIVER_OVERRIDE=none LIBGL_ALWAYS_SOFTWARE=1 " CLOTH " --frames 1"), 4);
+    // A driver that does not exist. Mesa loses its table of options then, in a library that is gone when leaks are
+    // named.
+    ck_assert_int_eq(Run("LSAN_OPTIONS=detect_leaks=0 GALLIUM_DRIVER=none MESA_LOADER_DRIVER_OVERRIDE=none "
+                         "LIBGL_ALWAYS_SOFTWARE=1 " CLOTH " --frames 1"),
+                     4);
     ck_assert_ptr_nonnull(strstr(GetErrors(), "qc-gl-cloth: "));
     ck_assert_uint_eq(CountEntries(), 0);
     LeaveFolder();

@@ -88,9 +88,12 @@ static bool ConvertLong(const char* text, const char* end, float* single, double
 {
     static pthread_once_t once = PTHREAD_ONCE_INIT;
     pthread_once(&once, MakeLocale);
-    char* copy = s_locale != (locale_t)0 ? strndup(text, (size_t)(end - text)) : NULL;
+    size_t length = (size_t)(end - text);
+    char* copy = s_locale != (locale_t)0 ? malloc(length + 1) : NULL;
     if (copy == NULL)
         return false;
+    memcpy(copy, text, length);
+    copy[length] = '\0';
     if (single != NULL)
         *single = strtof_l(copy, NULL, s_locale);
     else

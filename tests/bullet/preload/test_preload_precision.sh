@@ -5,12 +5,14 @@
 set -eu
 
 preload=$1
+# A sanitizer's library has to come first.
+preloads="$(ldd "$1" | awk '$1 ~ /^lib[at]san/ { print $3 }') $1"
 same=$2
 other=$3
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-if LD_PRELOAD=$preload "$other" >"$work/output" 2>"$work/messages"; then
+if LD_PRELOAD="$preloads" "$other" >"$work/output" 2>"$work/messages"; then
     echo "$other ran with $preload" >&2
     exit 1
 fi
@@ -18,7 +20,7 @@ cat "$work/messages"
 grep -q '^qc-preload: both .* and .* have a btDbvtBroadphase' "$work/messages"
 [ ! -s "$work/output" ]
 
-[ "$(LD_PRELOAD=$preload sh -c 'echo fine')" = fine ]
+[ "$(LD_PRELOAD="$preloads" sh -c 'echo fine')" = fine ]
 
 bullet=$(ldd "$same" | awk '$1 ~ /^libBulletCollision/ { print $3 }')
 nm -D --defined-only "$bullet" | awk '/16btDbvtBroadphase/ { print $3 }' | sort >"$work/theirs"
