@@ -68,4 +68,5 @@ if [ -n "$long" ]; then
 fi
 QC_TEST_DEVICES=${QC_TEST_DEVICES-$(qc_gl_devices)}
 export QC_TEST_DEVICES
-exec ctest --test-dir "${qc_folder-$root/build}" --output-on-failure --parallel "$(nproc)" "$@"
+# One more than there are cores: tests of windows and of devices wait at times.
+exec ctest --test-dir "${qc_folder-$root/build}" --output-on-failure --parallel "$(($(nproc) + 1))" "$@"

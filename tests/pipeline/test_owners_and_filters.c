@@ -27,7 +27,7 @@ static qcScene* MakeSpheres(qcDevice* device, Rule rule)
     qcRandom random = {7};
     for (uint32_t body = 0; body < qc_bodyCount; body++)
     {
-        qcSoup soup = qcSoup_MakeSphere(2, 0.3);
+        qcSoup soup = qcSoup_MakeSphere(1, 0.3);
         qcBodyDef def = qcBodyDefOf(&soup);
         for (int axis = 0; axis < 3; axis++)
             def.transform.translation[axis] = qcRandom_Uniform(&random, 0.0, 0.3);
@@ -153,7 +153,7 @@ END_TEST
 static void CheckNothingIsMade(qcDevice* device, qcMethod method)
 {
     qcScene* scene = qcMakeScene(device);
-    qcSoup soup = qcSoup_MakeSphere(2, 0.3);
+    qcSoup soup = qcSoup_MakeSphere(1, 0.3);
     for (int body = 0; body < 3; body++)
     {
         qcBodyDef def = qcBodyDefOf(&soup);
