@@ -1,43 +1,16 @@
 // A recording is read as far as it is whole, and the message names the operation and the byte where it is not.
 #include "recording/random_history.h"
-#include "quickcullide/hash.h"
+#include "recording/recorded_boxes.h"
+#include "recording/recorded_bytes.h"
 #include "support/suite.h"
 
 #include <stdio.h>
 #include <unistd.h>
 
-typedef struct Bytes
-{
-    unsigned char* data;
-    size_t size;
-} Bytes;
-
 static char s_path[64];
 
 /// What is recorded, by the index of a test.
 static const uint32_t s_scalarSizes[] = {0, 4, 8};
-
-static Bytes ReadFile(const char* path)
-{
-    FILE* file = fopen(path, "rb");
-    ck_assert_ptr_nonnull(file);
-    fseek(file, 0, SEEK_END);
-    Bytes bytes = {NULL, (size_t)ftell(file)};
-    rewind(file);
-    bytes.data = malloc(bytes.size);
-    ck_assert_ptr_nonnull(bytes.data);
-    ck_assert_uint_eq(fread(bytes.data, 1, bytes.size, file), bytes.size);
-    fclose(file);
-    return bytes;
-}
-
-static void WriteFile(const unsigned char* data, size_t size)
-{
-    FILE* file = fopen(s_path, "wb");
-    ck_assert_ptr_nonnull(file);
-    ck_assert_uint_eq(fwrite(data, 1, size, file), size);
-    fclose(file);
-}
 
 /// A small history with every kind of operation.
 static void RecordScene(void)
@@ -51,34 +24,6 @@ static void RecordScene(void)
     History_End(&history);
 }
 
-/// Calls of a broadphase of every kind.
-static void RecordBoxes(uint32_t scalarSize)
-{
-    qcBoxRecorder* recorder = NULL;
-    CHECK_OK(qcBoxRecorder_Open(s_path, scalarSize, &recorder));
-    double bounds[6] = {0, 1, 2, 3, 4, 5};
-    const uint32_t ids[] = {1, 3};
-    const double lambdas[] = {0.5, 0.25};
-    const qcBoxPair pairs[] = {{1, 2}, {1, 3}};
-    const qcBoxCast cast = {{1, 2, 3}, {4, 5, 6}, {0, 0, 0, 1, 1, 1}, {1, 2, 3}, 7};
-    for (uint32_t id = 1; id < 5; id++)
-        qcBoxRecorder_Add(recorder, id, bounds, id, 3);
-    for (uint32_t id = 1; id < 4; id++)
-        qcBoxRecorder_Move(recorder, id, bounds);
-    qcBoxRecorder_SetFilter(recorder, 2, 5, 6);
-    qcBoxRecorder_Begin(recorder);
-    // Behind the search.
-    qcBoxRecorder_Move(recorder, 1, bounds);
-    qcBoxRecorder_Remove(recorder, 3);
-    qcBoxRecorder_EndPairs(recorder, pairs, 2, true, pairs, 1);
-    qcBoxRecorder_Begin(recorder);
-    qcBoxRecorder_EndQuery(recorder, bounds, ids, 2);
-    qcBoxRecorder_Begin(recorder);
-    qcBoxRecorder_EndCast(recorder, &cast, ids, lambdas, 2);
-    qcBoxRecorder_Reset(recorder);
-    CHECK_OK(qcBoxRecorder_Close(recorder));
-}
-
 /// 0: a scene; 4 and 8: a broadphase with numbers of this size. The file's bytes.
 static Bytes MakeRecording(uint32_t scalarSize)
 {
@@ -86,8 +31,8 @@ static Bytes MakeRecording(uint32_t scalarSize)
     if (scalarSize == 0)
         RecordScene();
     else
-        RecordBoxes(scalarSize);
-    return ReadFile(s_path);
+        RecordBoxes(s_path, scalarSize);
+    return Bytes_Read(s_path);
 }
 
 /// Reads a file to its end, applying the operations; the number of those that were read. The status is that of the
@@ -132,7 +77,7 @@ START_TEST(each_flipped_byte_is_found_and_named)
     for (size_t i = 0; i < whole.size; i++)
     {
         whole.data[i] ^= (unsigned char)(1u << i % 8);
-        WriteFile(whole.data, whole.size);
+        Bytes_Write(s_path, whole.data, whole.size);
         whole.data[i] ^= (unsigned char)(1u << i % 8);
         uint64_t count = ReadAll(&status, &isComplete);
         ck_assert_msg(status == qc_statusFile, "byte %zu: status %d", i, (int)status);
@@ -167,7 +112,7 @@ START_TEST(a_file_cut_anywhere_is_read_up_to_the_cut)
     size_t clean = 0;
     for (size_t size = 0; size < whole.size; size++)
     {
-        WriteFile(whole.data, size);
+        Bytes_Write(s_path, whole.data, size);
         uint64_t count = ReadAll(&status, &isComplete);
         ck_assert(!isComplete);
         ck_assert_uint_ge(count, previous);
@@ -190,22 +135,6 @@ START_TEST(a_file_cut_anywhere_is_read_up_to_the_cut)
     remove(s_path);
 }
 END_TEST
-
-/// Corrects the hashes of all records, up to one that reaches beyond the end.
-static void Rehash(Bytes* bytes)
-{
-    size_t at = 24;
-    for (uint64_t number = 0; at + 24 <= bytes->size; number++)
-    {
-        uint64_t size;
-        memcpy(&size, bytes->data + at + 8, sizeof size);
-        if (size > bytes->size - at - 24)
-            return;
-        uint64_t hash = qcXxh64(bytes->data + at, 16 + (size_t)size, number);
-        memcpy(bytes->data + at + 16 + size, &hash, sizeof hash);
-        at += 24 + (size_t)size;
-    }
-}
 
 /// QC_TEST_FILES: the number of files; QC_TEST_SEED: their seed.
 START_TEST(forged_files_with_right_hashes_crash_nothing)
@@ -230,8 +159,8 @@ START_TEST(forged_files_with_right_hashes_crash_nothing)
             if (qcRandom_Below(&random, 8) == 0)
                 memset(data + at, byte % 2 == 0 ? 0xff : 0x00, whole.size - at < 4 ? whole.size - at : 4);
         }
-        Rehash(&forged);
-        WriteFile(data, whole.size);
+        Bytes_Rehash(forged);
+        Bytes_Write(s_path, data, whole.size);
         qcStatus status;
         bool isComplete;
         ReadAll(&status, &isComplete);
@@ -304,7 +233,7 @@ START_TEST(a_newer_format_is_refused_with_both_versions)
     memcpy(whole.data + 8, &version, sizeof version);
     uint64_t hash = qcXxh64(whole.data, 16, 0);
     memcpy(whole.data + 16, &hash, sizeof hash);
-    WriteFile(whole.data, whole.size);
+    Bytes_Write(s_path, whole.data, whole.size);
     qcRecording* recording;
     ck_assert_int_eq(qcRecording_Open(s_path, &recording), qc_statusFile);
     ck_assert_ptr_nonnull(strstr(qcLastMessage(), "the format is version 2"));
@@ -314,40 +243,13 @@ START_TEST(a_newer_format_is_refused_with_both_versions)
 }
 END_TEST
 
-START_TEST(an_operation_on_a_body_that_is_missing_is_named)
-{
-    snprintf(s_path, sizeof s_path, "missing.%d.qcr", (int)getpid());
-    qcScene* scene = qcMakeScene(NULL);
-    CHECK_OK(qcScene_Record(scene, s_path));
-    qcSoup soup = qcSoup_MakeGrid(2);
-    qcBodyId id = qcAddSoup(scene, &soup);
-    CHECK_OK(qcScene_SetMargin(scene, id, 0.5));
-    qcScene_Destroy(scene);
-    qcSoup_Free(&soup);
-    Bytes bytes = ReadFile(s_path);
-    // The margin's record is the last but one: 16 + 8 + 8 bytes before 24 of the end.
-    uint32_t slot = 3;
-    memcpy(bytes.data + bytes.size - 24 - 32 + 4, &slot, sizeof slot);
-    Rehash(&bytes);
-    WriteFile(bytes.data, bytes.size);
-    qcStatus status;
-    bool isComplete;
-    ck_assert_uint_eq(ReadAll(&status, &isComplete), 1);
-    char expected[64];
-    snprintf(expected, sizeof expected, "operation 1 at byte %zu: body 3 is not there", bytes.size - 24 - 32);
-    ck_assert_msg(strstr(qcLastMessage(), expected) != NULL, "%s", qcLastMessage());
-    free(bytes.data);
-    remove(s_path);
-}
-END_TEST
-
 int main(void)
 {
     const TTest* const each[] = {each_flipped_byte_is_found_and_named, a_file_cut_anywhere_is_read_up_to_the_cut,
                                  forged_files_with_right_hashes_crash_nothing};
-    const TTest* const once[] = {
-        calls_of_a_broadphase_are_read_as_they_were_made, what_is_no_recording_is_refused_with_its_name,
-        a_newer_format_is_refused_with_both_versions, an_operation_on_a_body_that_is_missing_is_named};
+    const TTest* const once[] = {calls_of_a_broadphase_are_read_as_they_were_made,
+                                 what_is_no_recording_is_refused_with_its_name,
+                                 a_newer_format_is_refused_with_both_versions};
     Suite* suite = suite_create("damaged_files");
     TCase* testCase = tcase_create("damaged_files");
     tcase_set_timeout(testCase, 300); // a bound against hanging, not a claim about speed

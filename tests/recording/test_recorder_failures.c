@@ -92,6 +92,14 @@ START_TEST(a_disk_that_fills_up_is_logged_once_and_the_file_stays_usable)
 }
 END_TEST
 
+static bool RejectAll(void* context, uint32_t slotA, uint32_t slotB)
+{
+    (void)context;
+    (void)slotA;
+    (void)slotB;
+    return false;
+}
+
 START_TEST(each_failed_allocation_of_the_recorder_stops_the_recording_only)
 {
     EnterFolder();
@@ -107,9 +115,11 @@ START_TEST(each_failed_allocation_of_the_recorder_stops_the_recording_only)
         def.deforming = true;
         qcBodyId id;
         CHECK_OK(qcScene_AddBody(scene, &def, &id));
+        qcAddSoup(scene, &soup);
         // Once, so that the scene itself allocates nothing in the second round.
         qcDetectDef detect = qcDefaultDetectDef();
         detect.threads = 1;
+        detect.pairFilter = RejectAll;
         const qcResult* result;
         CHECK_OK(qcScene_Detect(scene, &detect, &result));
         size_t pairs = result->pairCount;
@@ -173,6 +183,41 @@ START_TEST(a_prefix_that_can_not_be_written_is_logged_and_changes_nothing)
     ck_assert_ptr_nonnull(strstr(s_line, "/no/such/folder/a.1.qcr can't be created: No such file or directory"));
     qcSetLog(NULL, NULL);
     ck_assert_int_eq(unsetenv("QC_RECORD"), 0);
+}
+END_TEST
+
+START_TEST(a_recorder_without_memory_is_logged_and_the_scene_goes_on)
+{
+    EnterFolder();
+    qcFailingHeap heap = {0, 0, 0};
+    CHECK_OK(qcSetAllocator(qcFailingHeap_Allocate, qcFailingHeap_Release, &heap));
+    ck_assert_int_eq(setenv("QC_RECORD", "a", 1), 0);
+    qcSetLog(KeepLine, NULL);
+    s_lines = 0;
+    int scenes = 0;
+    bool failed = true;
+    for (size_t call = 1; failed; call++)
+    {
+        heap.calls = 0;
+        heap.failAt = call;
+        qcSceneDef def = qcDefaultSceneDef();
+        qcScene* scene = NULL;
+        qcStatus status = qcScene_Create(&def, &scene);
+        failed = heap.calls >= call;
+        heap.failAt = 0;
+        ck_assert(status == qc_statusOk || (failed && status == qc_statusOutOfMemory));
+        scenes += failed && status == qc_statusOk;
+        qcScene_Destroy(scene);
+        ck_assert_uint_eq(heap.live, 0);
+    }
+    // Each scene whose recorder failed has a line of its own.
+    ck_assert_int_gt(scenes, 2);
+    ck_assert_int_eq(s_lines, scenes);
+    ck_assert_ptr_nonnull(strstr(s_line, "out of memory"));
+    qcSetLog(NULL, NULL);
+    ck_assert_int_eq(unsetenv("QC_RECORD"), 0);
+    CHECK_OK(qcSetAllocator(NULL, NULL, NULL));
+    LeaveFolder();
 }
 END_TEST
 
@@ -254,4 +299,5 @@ QC_RUN_TESTS("recorder_failures", a_full_disk_stops_the_recording_and_nothing_el
              each_failed_allocation_of_the_recorder_stops_the_recording_only,
              the_environment_variable_records_every_scene_and_replaces_no_file,
              a_prefix_that_can_not_be_written_is_logged_and_changes_nothing,
-             a_child_of_fork_leaves_the_parents_file_alone, a_detection_that_crashed_is_the_last_operation)
+             a_recorder_without_memory_is_logged_and_the_scene_goes_on, a_child_of_fork_leaves_the_parents_file_alone,
+             a_detection_that_crashed_is_the_last_operation)

@@ -71,6 +71,69 @@ START_TEST(layers_on_a_device_replay_the_recorded_results)
 }
 END_TEST
 
+START_TEST(a_recording_names_the_device_of_its_scene)
+{
+    MakePath("device");
+    qcDevice* device = qcOpenOrSkip(qc_deviceOsmesa);
+    qcDeviceInfo info = {.renderer = "none"};
+    if (device != NULL)
+        CHECK_OK(qcDevice_GetInfo(device, &info));
+    qcScene* scene = qcMakeScene(device);
+    CHECK_OK(qcScene_Record(scene, s_path));
+    qcScene_Destroy(scene);
+    qcRecording* recording = NULL;
+    CHECK_OK(qcRecording_Open(s_path, &recording));
+    ck_assert_str_eq(qcRecording_GetInfo(recording).device, info.renderer);
+    qcRecording_Close(recording);
+    qcDevice_Destroy(device);
+    remove(s_path);
+}
+END_TEST
+
+static bool RejectEvenSums(void* context, uint32_t slotA, uint32_t slotB)
+{
+    (void)context;
+    return (slotA + slotB) % 2 != 0;
+}
+
+START_TEST(hundreds_of_rejected_pairs_are_recorded_each_once)
+{
+    enum
+    {
+        bodies = 30
+    };
+    MakePath("rejected");
+    qcScene* scene = qcMakeScene(NULL);
+    qcSoup soup = qcSoup_MakeRandom(3, 12, 0.3);
+    CHECK_OK(qcScene_Record(scene, s_path));
+    size_t rejected = 0;
+    for (int a = 0; a < bodies; a++)
+    {
+        qcAddSoup(scene, &soup);
+        for (int b = 0; b < a; b++)
+            rejected += (a + b) % 2 == 0;
+    }
+    qcDetectDef def = qcDefaultDetectDef();
+    def.pairFilter = RejectEvenSums;
+    const qcResult* result;
+    for (int step = 0; step < 2; step++)
+        CHECK_OK(qcScene_Detect(scene, &def, &result));
+    ck_assert_uint_gt(result->pairCount, 0);
+    qcScene_Destroy(scene);
+    qcSoup_Free(&soup);
+    qcRecording* recording = NULL;
+    const qcOperation* operation;
+    CHECK_OK(qcRecording_Open(s_path, &recording));
+    for (int i = 0; i < bodies + 2; i++)
+        CHECK_OK(qcRecording_Next(recording, &operation));
+    ck_assert_int_eq(operation->kind, qc_operationDetect);
+    ck_assert_uint_eq(operation->rejectedPairCount, rejected);
+    qcRecording_Close(recording);
+    ck_assert_uint_eq(ReplayFile(s_path, NULL, qc_methodSweep, 2).filtered, 2);
+    remove(s_path);
+}
+END_TEST
+
 START_TEST(a_recording_that_starts_late_begins_with_the_scene_as_it_is)
 {
     MakePath("late");
@@ -180,7 +243,8 @@ START_TEST(a_different_result_has_a_different_hash)
 END_TEST
 
 QC_RUN_TESTS("replay", every_method_and_number_of_threads_replays_the_recorded_results,
-             layers_on_a_device_replay_the_recorded_results,
+             layers_on_a_device_replay_the_recorded_results, a_recording_names_the_device_of_its_scene,
+             hundreds_of_rejected_pairs_are_recorded_each_once,
              a_recording_that_starts_late_begins_with_the_scene_as_it_is,
              equal_histories_give_equal_bytes_and_others_do_not, equal_indices_are_written_once,
              a_different_result_has_a_different_hash)
