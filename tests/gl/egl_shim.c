@@ -1,25 +1,21 @@
 // A libEGL in front of the system's, to which it forwards. QC_GL_SHIM, read at each call, names what it does otherwise:
 // see test_gl_libraries.c. A program that has opened it gets it for "libEGL.so.1", its name in the dynamic linker.
-#include <epoxy/egl.h>
-#include <epoxy/gl.h>
-
 #include <dlfcn.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-// Macros of epoxy.
-#undef eglBindAPI
-#undef eglChooseConfig
-#undef eglCreateContext
-#undef eglDestroyContext
-#undef eglGetError
-#undef eglGetProcAddress
-#undef eglInitialize
-#undef eglMakeCurrent
-#undef eglQueryString
-#undef eglReleaseThread
+// The part of EGL that is needed, restated: headers of GL belong to plugin/gl.
+typedef unsigned Boolean;
+typedef void* Handle; ///< of a display, configuration, context, surface or device
+typedef void Function(void);
+
+enum
+{
+    egl_extensions = 0x3055,
+    gl_renderer = 0x1f01
+};
 
 #define SHIM __attribute__((visibility("default")))
 
@@ -50,55 +46,56 @@ static const char* Without(const char* words, const char* word)
 
 //  ---- functions that libEGL exports -------------------------------------------------------------------------------
 
-SHIM EGLBoolean eglBindAPI(EGLenum api)
+SHIM Boolean eglBindAPI(unsigned api)
 {
-    return Is("no desktop GL") ? EGL_FALSE : ((PFNEGLBINDAPIPROC)Real("eglBindAPI"))(api);
+    return Is("no desktop GL") ? 0 : ((Boolean(*)(unsigned))Real("eglBindAPI"))(api);
 }
 
-SHIM EGLBoolean eglChooseConfig(EGLDisplay display, const EGLint* attributes, EGLConfig* configs, EGLint size,
-                                EGLint* count)
+SHIM Boolean eglChooseConfig(Handle display, const int* attributes, Handle* configs, int size, int* count)
 {
     *count = 0;
     if (Is("no configuration"))
-        return EGL_TRUE;
-    return ((PFNEGLCHOOSECONFIGPROC)Real("eglChooseConfig"))(display, attributes, configs, size, count);
+        return 1;
+    return ((Boolean(*)(Handle, const int*, Handle*, int, int*))Real("eglChooseConfig"))(display, attributes, configs,
+                                                                                         size, count);
 }
 
-SHIM EGLContext eglCreateContext(EGLDisplay display, EGLConfig config, EGLContext share, const EGLint* attributes)
+SHIM Handle eglCreateContext(Handle display, Handle config, Handle share, const int* attributes)
 {
     if (Is("no context") || (Is("GL 3.3") && attributes[1] > 3))
-        return EGL_NO_CONTEXT;
-    return ((PFNEGLCREATECONTEXTPROC)Real("eglCreateContext"))(display, config, share, attributes);
+        return NULL;
+    return ((Handle(*)(Handle, Handle, Handle, const int*))Real("eglCreateContext"))(display, config, share,
+                                                                                     attributes);
 }
 
-SHIM EGLBoolean eglDestroyContext(EGLDisplay display, EGLContext context)
+SHIM Boolean eglDestroyContext(Handle display, Handle context)
 {
-    return ((PFNEGLDESTROYCONTEXTPROC)Real("eglDestroyContext"))(display, context);
+    return ((Boolean(*)(Handle, Handle))Real("eglDestroyContext"))(display, context);
 }
 
-SHIM EGLint eglGetError(void)
+SHIM int eglGetError(void)
 {
-    return ((PFNEGLGETERRORPROC)Real("eglGetError"))();
+    return ((int (*)(void))Real("eglGetError"))();
 }
 
-SHIM EGLBoolean eglInitialize(EGLDisplay display, EGLint* major, EGLint* minor)
+SHIM Boolean eglInitialize(Handle display, int* major, int* minor)
 {
-    return Is("not initialised") ? EGL_FALSE : ((PFNEGLINITIALIZEPROC)Real("eglInitialize"))(display, major, minor);
+    return Is("not initialised") ? 0 : ((Boolean(*)(Handle, int*, int*))Real("eglInitialize"))(display, major, minor);
 }
 
-SHIM EGLBoolean eglMakeCurrent(EGLDisplay display, EGLSurface draw, EGLSurface read, EGLContext context)
+SHIM Boolean eglMakeCurrent(Handle display, Handle draw, Handle read, Handle context)
 {
-    if (Is("not current") && context != EGL_NO_CONTEXT)
-        return EGL_FALSE;
-    return ((PFNEGLMAKECURRENTPROC)Real("eglMakeCurrent"))(display, draw, read, context);
+    if (Is("not current") && context != NULL)
+        return 0;
+    return ((Boolean(*)(Handle, Handle, Handle, Handle))Real("eglMakeCurrent"))(display, draw, read, context);
 }
 
-SHIM const char* eglQueryString(EGLDisplay display, EGLint name)
+SHIM const char* eglQueryString(Handle display, int name)
 {
-    const char* words = ((PFNEGLQUERYSTRINGPROC)Real("eglQueryString"))(display, name);
-    if (name != EGL_EXTENSIONS || words == NULL)
+    const char* words = ((const char* (*)(Handle, int))Real("eglQueryString"))(display, name);
+    if (name != egl_extensions || words == NULL)
         return words;
-    if (display == EGL_NO_DISPLAY)
+    if (display == NULL)
         return Is("no platforms")     ? Without(words, "EGL_EXT_platform_base")
                : Is("no devices")     ? Without(words, "EGL_EXT_platform_device")
                : Is("no surfaceless") ? Without(words, "EGL_MESA_platform_surfaceless")
@@ -108,9 +105,9 @@ SHIM const char* eglQueryString(EGLDisplay display, EGLint name)
                                                             : words;
 }
 
-SHIM EGLBoolean eglReleaseThread(void)
+SHIM Boolean eglReleaseThread(void)
 {
-    return ((PFNEGLRELEASETHREADPROC)Real("eglReleaseThread"))();
+    return ((Boolean(*)(void))Real("eglReleaseThread"))();
 }
 
 //  ---- functions by name -------------------------------------------------------------------------------------------
@@ -118,54 +115,55 @@ SHIM EGLBoolean eglReleaseThread(void)
 static void* RealByName(const char* name)
 {
     // Objects and functions have one size here, as dlsym() presumes.
-    void (*function)(void) = ((PFNEGLGETPROCADDRESSPROC)Real("eglGetProcAddress"))(name);
+    Function* function = ((Function * (*)(const char*)) Real("eglGetProcAddress"))(name);
     void* pointer;
     memcpy(&pointer, &function, sizeof pointer);
     return pointer;
 }
 
-static EGLDisplay EGLAPIENTRY GetPlatformDisplay(EGLenum platform, void* device, const EGLint* attributes)
+static Handle GetPlatformDisplay(unsigned platform, void* device, const int* attributes)
 {
     if (Is("no display"))
-        return EGL_NO_DISPLAY;
-    return ((PFNEGLGETPLATFORMDISPLAYEXTPROC)RealByName("eglGetPlatformDisplayEXT"))(platform, device, attributes);
+        return NULL;
+    return ((Handle(*)(unsigned, void*, const int*))RealByName("eglGetPlatformDisplayEXT"))(platform, device,
+                                                                                            attributes);
 }
 
-static EGLBoolean EGLAPIENTRY QueryDevices(EGLint size, EGLDeviceEXT* devices, EGLint* count)
+static Boolean QueryDevices(int size, Handle* devices, int* count)
 {
     *count = 0;
     if (Is("no GPU"))
-        return EGL_TRUE;
-    return ((PFNEGLQUERYDEVICESEXTPROC)RealByName("eglQueryDevicesEXT"))(size, devices, count);
+        return 1;
+    return ((Boolean(*)(int, Handle*, int*))RealByName("eglQueryDevicesEXT"))(size, devices, count);
 }
 
-static const char* EGLAPIENTRY QueryDeviceString(EGLDeviceEXT device, EGLint name)
+static const char* QueryDeviceString(Handle device, int name)
 {
-    const char* words = ((PFNEGLQUERYDEVICESTRINGEXTPROC)RealByName("eglQueryDeviceStringEXT"))(device, name);
+    const char* words = ((const char* (*)(Handle, int))RealByName("eglQueryDeviceStringEXT"))(device, name);
     bool isHardware = Is("a GPU") || Is("another GPU") || Is("software behind a GPU");
     return isHardware && words != NULL ? Without(words, "EGL_MESA_device_software") : words;
 }
 
-static const GLubyte* APIENTRY GetString(GLenum name)
+static const char* GetString(unsigned name)
 {
     if (Is("no renderer"))
         return NULL;
-    if (name == GL_RENDERER && (Is("a GPU") || Is("another GPU")))
-        return (const GLubyte*)(Is("a GPU") ? "Shim 1" : "Shim 2");
-    return ((PFNGLGETSTRINGPROC)RealByName("glGetString"))(name);
+    if (name == gl_renderer && (Is("a GPU") || Is("another GPU")))
+        return Is("a GPU") ? "Shim 1" : "Shim 2";
+    return ((const char* (*)(unsigned))RealByName("glGetString"))(name);
 }
 
-SHIM void (*eglGetProcAddress(const char* name))(void)
+SHIM Function* eglGetProcAddress(const char* name)
 {
     if (strcmp(name, "eglGetPlatformDisplayEXT") == 0)
-        return (void (*)(void))GetPlatformDisplay;
+        return (Function*)GetPlatformDisplay;
     if (strcmp(name, "eglQueryDevicesEXT") == 0)
-        return (void (*)(void))QueryDevices;
+        return (Function*)QueryDevices;
     if (strcmp(name, "eglQueryDeviceStringEXT") == 0)
-        return (void (*)(void))QueryDeviceString;
+        return (Function*)QueryDeviceString;
     if (strcmp(name, "glGetString") == 0)
-        return (void (*)(void))GetString;
+        return (Function*)GetString;
     if (strcmp(name, "glDrawArrays") == 0 && Is("a function less"))
         return NULL;
-    return ((PFNEGLGETPROCADDRESSPROC)Real("eglGetProcAddress"))(name);
+    return ((Function * (*)(const char*)) Real("eglGetProcAddress"))(name);
 }

@@ -4,6 +4,7 @@
 #include "base/status.h"
 #include "support/suite.h"
 
+#include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -160,6 +161,10 @@ START_TEST(a_bad_definition_is_refused_by_name)
         ck_assert_int_eq(qcDevice_Create(&def, &device), qc_statusBadInput);
         ck_assert_ptr_nonnull(strstr(qcLastMessage(), choices[i].message));
     }
+    def = qcDefaultDeviceDef();
+    def.reopenSeconds = (double)NAN;
+    ck_assert_int_eq(qcDevice_Create(&def, &device), qc_statusBadInput);
+    ck_assert_ptr_nonnull(strstr(qcLastMessage(), "reopenSeconds is not a number"));
     ck_assert_int_eq(qcDevice_Reopen(NULL), qc_statusBadInput);
     qcDeviceInfo info;
     ck_assert_int_eq(qcDevice_GetInfo(NULL, &info), qc_statusBadInput);
@@ -407,6 +412,23 @@ START_TEST(a_gl_error_is_a_status_and_the_device_goes_on)
 }
 END_TEST
 
+START_TEST(gl_errors_have_names)
+{
+    const struct
+    {
+        GLenum error;
+        const char* name;
+    } errors[] = {{GL_INVALID_VALUE, "GL_INVALID_VALUE"},
+                  {GL_INVALID_OPERATION, "GL_INVALID_OPERATION"},
+                  {GL_INVALID_FRAMEBUFFER_OPERATION, "GL_INVALID_FRAMEBUFFER_OPERATION"},
+                  {GL_OUT_OF_MEMORY, "GL_OUT_OF_MEMORY"},
+                  {GL_CONTEXT_LOST, "GL_CONTEXT_LOST"},
+                  {0x9999, "a GL error"}};
+    for (size_t i = 0; i < sizeof errors / sizeof errors[0]; i++)
+        ck_assert_str_eq(qcGl_ErrorName(errors[i].error), errors[i].name);
+}
+END_TEST
+
 static qcStatus LeaveStateBehind(const struct qcGlFunctions* gl, void* context)
 {
     (void)context;
@@ -566,5 +588,6 @@ QC_RUN_TESTS("device", a_named_kind_opens_or_gives_a_reason, the_device_none_alw
              software_devices_are_identified, a_device_without_memory_fails_with_a_status,
              devices_open_and_close_many_times_and_side_by_side, a_job_finds_a_context_of_gl_3_3_or_more,
              status_and_message_of_a_job_reach_the_caller, a_gl_error_is_a_status_and_the_device_goes_on,
-             a_job_finds_the_initial_state, many_callers_are_served_one_after_another_each_with_its_own_message,
+             gl_errors_have_names, a_job_finds_the_initial_state,
+             many_callers_are_served_one_after_another_each_with_its_own_message,
              devices_on_several_threads_do_not_disturb_each_other)

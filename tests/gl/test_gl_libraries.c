@@ -6,9 +6,11 @@
 #include "support/suite.h"
 
 #include <dlfcn.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <time.h>
 
 /// From here on this process has a library under the name that it gives itself, as if the system had it.
 static void Preload(const char* path)
@@ -179,6 +181,56 @@ START_TEST(a_gpu_finds_the_pairs_of_the_cpu)
 }
 END_TEST
 
+static char s_line[512];
+static atomic_bool s_hasLine;
+
+/// Keeps the first line.
+static void KeepLine(const char* line, void* context)
+{
+    (void)context;
+    if (atomic_load(&s_hasLine))
+        return;
+    snprintf(s_line, sizeof s_line, "%s", line);
+    atomic_store(&s_hasLine, true);
+}
+
+static GLenum APIENTRY ReportReset(void)
+{
+    return GL_INNOCENT_CONTEXT_RESET;
+}
+
+static void MakeLost(struct qcGlFunctions* gl)
+{
+    gl->GetGraphicsResetStatus = ReportReset;
+}
+
+START_TEST(a_lost_gpu_is_not_replaced_by_another)
+{
+    Preload(QC_EGL_SHIM);
+    Behave("a GPU");
+    qcDeviceDef def = qcDefaultDeviceDef();
+    def.kind = qc_deviceEgl;
+    def.reopenSeconds = 1e-6;
+    qcDevice* device = NULL;
+    CHECK_OK(qcDevice_Create(&def, &device));
+    Replacement replacement = {MakeLost};
+    ck_assert_int_eq(qcDevice_Run(device, Replace, &replacement, "a test"), qc_statusDeviceLost);
+    Behave("another GPU");
+    qcSetLog(KeepLine, NULL);
+    uint8_t rgba[4] = {0};
+    for (int i = 0; i < 3000 && !atomic_load(&s_hasLine); i++)
+    {
+        ck_assert_int_eq(qcDevice_Run(device, qcClearAndRead, rgba, "a test"), qc_statusDeviceLost);
+        const struct timespec pause = {0, 10000000};
+        nanosleep(&pause, NULL);
+    }
+    qcDevice_Destroy(device);
+    qcSetLog(NULL, NULL);
+    ck_assert_str_eq(s_line, "device egl: not opened again: in place of Shim 1 there is Shim 2");
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
 int main(void)
 {
     Suite* suite = suite_create("gl_libraries");
@@ -193,6 +245,7 @@ int main(void)
                         sizeof s_libraries / sizeof s_libraries[0]);
     tcase_add_test(testCase, a_gpu_is_no_software_and_the_first_choice_of_auto);
     tcase_add_test(testCase, a_gpu_finds_the_pairs_of_the_cpu);
+    tcase_add_test(testCase, a_lost_gpu_is_not_replaced_by_another);
     suite_add_tcase(suite, testCase);
     return qcRunSuite(suite);
 }

@@ -3,10 +3,12 @@
 #include "quickcullide/quickcullide.h"
 #include "support/check_ok.h"
 #include "support/host_context.h"
+#include "support/replay.h"
 #include "support/soups.h"
 #include "support/suite.h"
 
 #include <math.h>
+#include <unistd.h>
 
 enum
 {
@@ -386,6 +388,10 @@ START_TEST(pairs_written_to_a_buffer_are_those_of_the_result)
         ck_assert_uint_eq(count, result->pairCount);
         ck_assert_mem_eq(pairs, result->pairs, sizeof(qcPair) * result->pairCount);
         free(pairs);
+        to.offset = 6;
+        ck_assert_int_eq(qcScene_WritePairs(cloth.onDevice, &to), qc_statusBadInput);
+        ck_assert_ptr_nonnull(strstr(qcLastMessage(), "def->offset is 6; it must be a multiple of 4"));
+        to.offset = 8;
         to.capacity = 4001; // more than the buffer has
         ck_assert_int_eq(qcScene_WritePairs(cloth.onDevice, &to), qc_statusBadInput);
         to.capacity = (uint32_t)result->pairCount - 1;
@@ -425,6 +431,33 @@ START_TEST(a_reopened_device_has_lost_the_positions_until_they_are_set_anew)
 }
 END_TEST
 
+START_TEST(a_recording_has_the_positions_of_the_buffer)
+{
+    char path[64];
+    snprintf(path, sizeof path, "buffers.%d.qcr", (int)getpid());
+    QC_FOR_EACH_HOST(walk)
+    {
+        Cloth cloth;
+        Open(&cloth, &walk.host, walk.device, MakeCloth());
+        const qcDetectDef def = LayersDef();
+        CHECK_OK(qcScene_Record(cloth.onDevice, path));
+        for (uint64_t step = 0; step < 3; step++)
+        {
+            Jiggle(&cloth, step, 0.004);
+            SetBoth(&cloth);
+            ck_assert_uint_gt(DetectBoth(&cloth, &def)->pairCount, 10);
+        }
+        CHECK_OK(qcScene_Record(cloth.onDevice, NULL));
+        Replay replay = ReplayFile(path, NULL, qc_methodSweep, 1);
+        ck_assert_uint_eq(replay.detections, 3);
+        // The body, and its positions before each detection.
+        ck_assert_uint_eq(replay.operations, 1 + 2 * 3);
+        Close(&cloth);
+        remove(path);
+    }
+}
+END_TEST
+
 START_TEST(a_mistake_is_named)
 {
     QC_FOR_EACH_HOST(walk)
@@ -457,6 +490,13 @@ START_TEST(a_mistake_is_named)
             ck_assert_int_eq(qcScene_SetVertexBuffer(cloth.onDevice, cloth.ids[1], &def), qc_statusBadInput);
             ck_assert_msg(strstr(qcLastMessage(), cases[i].message) != NULL, "%s", qcLastMessage());
         }
+        // A rigid body.
+        qcBodyDef rigid = qcBodyDefOf(&cloth.soup);
+        qcBodyId id;
+        CHECK_OK(qcScene_AddBody(cloth.onDevice, &rigid, &id));
+        ck_assert_int_eq(qcScene_SetVertexBuffer(cloth.onDevice, id, &good), qc_statusBadInput);
+        ck_assert_ptr_nonnull(strstr(qcLastMessage(), "body 1 is rigid"));
+        ck_assert_int_eq(qcScene_SetVertexBuffer(cloth.onDevice, (qcBodyId){7, 1}, &good), qc_statusBadInput);
         // Another device's, and none.
         ck_assert_int_eq(qcScene_SetVertexBuffer(cloth.onCpu, cloth.ids[0], &good), qc_statusBadInput);
         good.buffer = NULL;
@@ -491,6 +531,7 @@ START_TEST(a_context_that_cannot_be_shared_is_refused_by_name)
         {qc_deviceEgl, &context, NULL, "needs def->shareDisplay"},
         {qc_deviceSurfaceless, &context, NULL, "needs def->shareDisplay"},
         {qc_deviceOsmesa, &context, &context, "osmesa shares no"},
+        {qc_deviceEgl, &context, &context, "def->shareContext has a GPU"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
     {
@@ -498,6 +539,7 @@ START_TEST(a_context_that_cannot_be_shared_is_refused_by_name)
         def.kind = cases[i].kind;
         def.shareContext = cases[i].context;
         def.shareDisplay = cases[i].display;
+        def.gpuIndex = i == sizeof cases / sizeof cases[0] - 1 ? 0 : -1;
         ck_assert_int_eq(qcDevice_Create(&def, &device), qc_statusBadInput);
         ck_assert_msg(strstr(qcLastMessage(), cases[i].message) != NULL, "%s", qcLastMessage());
     }
@@ -529,5 +571,6 @@ QC_RUN_TESTS("vertex buffers", a_buffer_gives_the_pairs_of_the_same_floats_and_n
              a_position_that_is_not_finite_is_refused_and_changes_nothing,
              bodies_come_go_and_change_between_the_cpu_and_the_device,
              vertices_without_a_triangle_do_not_enlarge_the_image, pairs_written_to_a_buffer_are_those_of_the_result,
+             a_recording_has_the_positions_of_the_buffer,
              a_reopened_device_has_lost_the_positions_until_they_are_set_anew, a_mistake_is_named,
              a_context_that_cannot_be_shared_is_refused_by_name)

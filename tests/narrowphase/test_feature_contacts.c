@@ -223,6 +223,11 @@ START_TEST(image_methods_refuse_a_contact_margin)
     const qcResult* result;
     ck_assert_int_eq(qcScene_Detect(scene, &def, &result), qc_statusBadInput);
     ck_assert_ptr_nonnull(strstr(qcLastMessage(), "contactMargin"));
+    def.contactMargin = 0.0;
+    def.margin = 0.1;
+    ck_assert_int_eq(qcScene_Detect(scene, &def, &result), qc_statusBadInput);
+    ck_assert_ptr_nonnull(strstr(qcLastMessage(), "quick has a margin only if it is reliable"));
+    def.margin = 0.0;
     def.method = qc_methodSweep;
     def.contactMargin = -1.0;
     ck_assert_int_eq(qcScene_Detect(scene, &def, &result), qc_statusBadInput);

@@ -20,12 +20,12 @@ typedef struct Worlds
     qcRandom random;
 } Worlds;
 
-static Worlds MakeWorlds(qcDevice* device, uint64_t seed, double noise)
+static Worlds MakeWorlds(qcDevice* device, uint64_t seed, uint32_t side, double noise)
 {
     Worlds w = {.floats = qcMakeScene(device), .doubles = qcMakeScene(NULL), .random = {seed}};
     for (int i = 0; i < qc_bodies; i++)
     {
-        w.soups[i] = qcSoup_MakeFoldedCloth(seed + (uint64_t)i, 24, 0.02, noise);
+        w.soups[i] = qcSoup_MakeFoldedCloth(seed + (uint64_t)i, side, 0.02, noise);
         qcSoup_Translate(&w.soups[i], 0.0, 0.1 * i, 0.03 * i);
         qcSoup_RoundToFloat(&w.soups[i]);
         qcBodyDef def = qcBodyDefOf(&w.soups[i]);
@@ -111,11 +111,12 @@ static size_t CompareResults(const Worlds* w, qcDetectDef def, int step)
     return found->pairCount;
 }
 
-static void CheckSteps(qcDevice* device, uint64_t seed, double noise)
+/// Returns the number of pairs found.
+static size_t CheckSteps(qcDevice* device, uint64_t seed, uint32_t side, double noise, int steps)
 {
-    Worlds w = MakeWorlds(device, seed, noise);
+    Worlds w = MakeWorlds(device, seed, side, noise);
     size_t pairs = 0;
-    for (int step = 0; step < qc_steps; step++)
+    for (int step = 0; step < steps; step++)
     {
         if (qcRandom_Below(&w.random, 8) == 0)
         {
@@ -130,23 +131,31 @@ static void CheckSteps(qcDevice* device, uint64_t seed, double noise)
         if (qcRandom_Below(&w.random, 3) == 0)
             pairs += CompareResults(&w, ChooseRequest(&w.random), step);
     }
-    ck_assert_uint_gt(pairs, qc_steps);
     EndWorlds(&w);
+    return pairs;
 }
 
 START_TEST(floats_give_the_pairs_of_doubles_whatever_is_requested_of_them)
 {
     for (qcDeviceWalk walk = {0}; qcDeviceWalk_Next(&walk);)
-        CheckSteps(walk.device, 7, 0.012);
+        ck_assert_uint_gt(CheckSteps(walk.device, 7, 24, 0.012, qc_steps), qc_steps);
+}
+END_TEST
+
+START_TEST(so_few_candidates_that_only_their_floats_become_doubles_give_the_pairs_of_doubles)
+{
+    for (qcDeviceWalk walk = {0}; qcDeviceWalk_Next(&walk);)
+        ck_assert_uint_gt(CheckSteps(walk.device, 5, 48, 0.002, 12), 0);
 }
 END_TEST
 
 START_TEST(so_many_candidates_that_all_floats_become_doubles_give_the_pairs_of_doubles)
 {
     for (qcDeviceWalk walk = {0}; qcDeviceWalk_Next(&walk);)
-        CheckSteps(walk.device, 11, 0.04);
+        ck_assert_uint_gt(CheckSteps(walk.device, 11, 24, 0.04, qc_steps), qc_steps);
 }
 END_TEST
 
 QC_RUN_TESTS("float positions", floats_give_the_pairs_of_doubles_whatever_is_requested_of_them,
+             so_few_candidates_that_only_their_floats_become_doubles_give_the_pairs_of_doubles,
              so_many_candidates_that_all_floats_become_doubles_give_the_pairs_of_doubles)

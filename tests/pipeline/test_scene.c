@@ -320,6 +320,10 @@ START_TEST(methods_relations_and_statuses_have_names)
     ck_assert_str_eq(qcStatus_Name(qc_statusOutOfMemory), "out of memory");
     ck_assert_str_eq(qcStatus_Name(qc_statusDeviceLost), "device lost");
     ck_assert_str_eq(qcStatus_Name(qc_statusFile), "file");
+    ck_assert_str_eq(qcStatus_Name(qc_statusBadInput), "bad input");
+    ck_assert_str_eq(qcStatus_Name(qc_statusDevice), "device");
+    ck_assert_str_eq(qcStatus_Name(qc_statusTooManyPairs), "too many pairs");
+    ck_assert_str_eq(qcStatus_Name((qcStatus)99), "unknown status");
     ck_assert_str_eq(qcMethod_Name((qcMethod)99), "unknown method");
 }
 END_TEST
