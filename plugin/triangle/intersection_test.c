@@ -6,6 +6,7 @@
 
 #include "base/float_mode.h"
 
+#include <assert.h>
 #include <stddef.h>
 
 /// How an axis separates: not at all, weakly (only borders meet), strictly.
@@ -230,12 +231,6 @@ static qcRelation PointSegment(const qcSimplex* p, const qcSimplex* s, uint64_t*
     return OnCommonLine(p, s);
 }
 
-static qcRelation PointPoint(const double* p, const double* q)
-{
-    // The relative interior of a point is the point.
-    return p[0] == q[0] && p[1] == q[1] && p[2] == q[2] ? qc_relationPenetrating : qc_relationDisjoint;
-}
-
 static qcRelation RelateFlat(const double a[3][3], const double b[3][3], uint64_t* undecided)
 {
     qcSimplex first = qcSimplex_Of(a, undecided), second = qcSimplex_Of(b, undecided);
@@ -248,8 +243,10 @@ static qcRelation RelateFlat(const double a[3][3], const double b[3][3], uint64_
         case 2 * 3 + 1: return SegmentTriangle(small, large, undecided);
         case 2 * 3 + 0: return PointTriangle(small, large, undecided);
         case 1 * 3 + 1: return SegmentSegment(small, large, undecided);
-        case 1 * 3 + 0: return PointSegment(small, large, undecided);
-        default: return PointPoint(small->point[0], large->point[0]);
+        default:
+            // Two points whose boxes meet are the same triangle.
+            assert(large->dimension == 1);
+            return PointSegment(small, large, undecided);
     }
 }
 
