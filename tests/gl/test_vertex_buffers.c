@@ -2,6 +2,7 @@
 #include "gl/gl_functions.h"
 #include "quickcullide/quickcullide.h"
 #include "support/check_ok.h"
+#include "support/failing_heap.h"
 #include "support/host_context.h"
 #include "support/replay.h"
 #include "support/soups.h"
@@ -458,6 +459,79 @@ START_TEST(a_recording_has_the_positions_of_the_buffer)
 }
 END_TEST
 
+/// Opens the host's buffer once more, and takes the positions of a new body from it in steps that read them on the
+/// device and on the CPU. The first status that is not ok.
+static qcStatus UseBuffer(const Cloth* cloth, qcDevice* device, size_t* pairs)
+{
+    qcDeviceBufferDef bufferDef = qcDefaultDeviceBufferDef();
+    bufferDef.name = cloth->name;
+    qcVertexBufferDef vertices = qcDefaultVertexBufferDef();
+    qcStatus status = qcDevice_OpenBuffer(device, &bufferDef, &vertices.buffer);
+    vertices.offset = t_offset;
+    vertices.stride = t_stride;
+    qcBodyDef body = qcDefaultBodyDef();
+    body.vertexCount = cloth->soup.vertexCount;
+    float* flat = calloc(body.vertexCount, 3 * sizeof *flat);
+    body.positions = flat;
+    body.indices = cloth->soup.indices;
+    body.triangleCount = cloth->soup.triangleCount;
+    body.deforming = true;
+    qcBodyId id = {0};
+    qcSceneDef sceneDef = qcDefaultSceneDef();
+    sceneDef.device = device;
+    qcScene* scene = NULL;
+    status = status == qc_statusOk ? qcScene_Create(&sceneDef, &scene) : status;
+    status = status == qc_statusOk ? qcScene_AddBody(scene, &body, &id) : status;
+    status = status == qc_statusOk ? qcScene_SetVertexBuffer(scene, id, &vertices) : status;
+    qcDetectDef def = LayersDef();
+    def.threads = 1;
+    for (int way = 0; way < 2 && status == qc_statusOk; way++)
+    {
+        const qcResult* result;
+        def.method = way == 0 ? qc_methodLayers : qc_methodSweep;
+        status = qcScene_Detect(scene, &def, &result);
+        *pairs = status == qc_statusOk ? result->pairCount : *pairs;
+    }
+    free(flat);
+    qcScene_Destroy(scene);
+    if (vertices.buffer != NULL)
+        qcDeviceBuffer_Close(vertices.buffer);
+    return status;
+}
+
+START_TEST(each_failed_allocation_with_a_buffer_is_a_status_and_leaks_nothing)
+{
+    qcFailingHeap heap = {0, 0, 0};
+    CHECK_OK(qcSetAllocator(qcFailingHeap_Allocate, qcFailingHeap_Release, &heap));
+    QC_FOR_EACH_HOST(walk)
+    {
+        Cloth cloth;
+        Open(&cloth, &walk.host, walk.device, qcSoup_MakeFoldedCloth(5, 12, 0.02, 0.03));
+        for (uint32_t v = 0; v < cloth.soup.vertexCount; v++)
+            cloth.gl.BufferSubData(GL_ARRAY_BUFFER, t_offset + t_stride * (GLintptr)v, 3 * sizeof(float),
+                                   cloth.positions + 3 * (size_t)v);
+        cloth.gl.Finish();
+        size_t expected = 0, live = heap.live;
+        heap.calls = 0;
+        CHECK_OK(UseBuffer(&cloth, walk.device, &expected));
+        ck_assert_uint_gt(expected, 10);
+        for (size_t call = 1, calls = heap.calls; call <= calls; call++)
+        {
+            size_t pairs = expected;
+            heap = (qcFailingHeap){live, 0, call};
+            ck_assert_int_eq(UseBuffer(&cloth, walk.device, &pairs), qc_statusOutOfMemory);
+            ck_assert_ptr_nonnull(strstr(qcLastMessage(), "out of memory"));
+            ck_assert_uint_eq(pairs, expected);
+            ck_assert_uint_eq(heap.live, live);
+        }
+        heap.failAt = 0;
+        Close(&cloth);
+    }
+    ck_assert_uint_eq(heap.live, 0);
+    CHECK_OK(qcSetAllocator(NULL, NULL, NULL));
+}
+END_TEST
+
 START_TEST(a_mistake_is_named)
 {
     QC_FOR_EACH_HOST(walk)
@@ -572,5 +646,6 @@ QC_RUN_TESTS("vertex buffers", a_buffer_gives_the_pairs_of_the_same_floats_and_n
              bodies_come_go_and_change_between_the_cpu_and_the_device,
              vertices_without_a_triangle_do_not_enlarge_the_image, pairs_written_to_a_buffer_are_those_of_the_result,
              a_recording_has_the_positions_of_the_buffer,
+             each_failed_allocation_with_a_buffer_is_a_status_and_leaks_nothing,
              a_reopened_device_has_lost_the_positions_until_they_are_set_anew, a_mistake_is_named,
              a_context_that_cannot_be_shared_is_refused_by_name)

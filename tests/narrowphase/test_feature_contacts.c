@@ -214,6 +214,40 @@ START_TEST(methods_and_threads_give_the_same_contacts_in_the_same_order)
 }
 END_TEST
 
+/// A cloth, and a triangle so far away that both lie in a device's image, but the margin around the cloth leaves the
+/// range of a BVH's coordinates: the device's neighbours are listed without a BVH.
+START_TEST(neighbours_have_contacts_where_the_margin_leaves_the_range_of_bvhs)
+{
+    uint32_t indices[] = {0, 1, 2};
+    double far = ldexp(1.0, 950), triangle[9] = {far, far, far, far, far, 0, far, 0, far};
+    qcSoup soups[2] = {qcSoup_MakeFoldedCloth(4, 4, 0.02, 0.01), {triangle, 3, indices, 1}};
+    qcDetectDef def = qcDefaultDetectDef();
+    def.contactMargin = ldexp(1.0, 966);
+    const qcResult *expected, *found;
+    def.method = qc_methodBrute;
+    qcScene* scene = qcMakeScene(NULL);
+    for (int i = 0; i < 2; i++)
+        qcAddSoup(scene, &soups[i]);
+    CHECK_OK(qcScene_Detect(scene, &def, &expected));
+    ck_assert_uint_gt(expected->contactCount, 100);
+    def.method = qc_methodLayers;
+    QC_FOR_EACH_DEVICE(device)
+    {
+        qcScene* other = qcMakeScene(device);
+        for (int i = 0; i < 2; i++)
+            qcAddSoup(other, &soups[i]);
+        CHECK_OK(qcScene_Detect(other, &def, &found));
+        ck_assert_int_eq(found->profile.method, qc_methodLayers);
+        qcResultHash a = qcResult_Hash(expected), b = qcResult_Hash(found);
+        ck_assert_mem_eq(&a, &b, sizeof a);
+        qcScene_Destroy(other);
+    }
+    qcScene_Destroy(scene);
+    qcSoup_Free(&soups[0]);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
 START_TEST(image_methods_refuse_a_contact_margin)
 {
     qcScene* scene = qcMakeScene(NULL);
@@ -297,6 +331,7 @@ END_TEST
 
 QC_RUN_TESTS("contacts", every_vertex_near_a_face_is_reported_once,
              distance_normal_and_weights_agree_with_the_closest_points, no_pair_of_edges_is_reported_twice,
-             methods_and_threads_give_the_same_contacts_in_the_same_order, image_methods_refuse_a_contact_margin,
+             methods_and_threads_give_the_same_contacts_in_the_same_order,
+             neighbours_have_contacts_where_the_margin_leaves_the_range_of_bvhs, image_methods_refuse_a_contact_margin,
              a_vertex_on_a_sliver_is_in_contact, nearly_parallel_edges_have_a_contact_where_they_cross,
              methods_agree_at_the_margin_itself)

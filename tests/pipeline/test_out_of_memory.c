@@ -29,6 +29,20 @@ static qcStatus MoveAndDetect(qcScene* scene, qcBodyId id, const qcSoup* soup, q
     return status == qc_statusOk ? Detect(scene, &def, pairs) : status;
 }
 
+/// New positions: as floats for devices, which keep them so.
+static qcStatus SetVertices(qcScene* scene, qcBodyId id, const qcSoup* soup, qcMethod method)
+{
+    if (method != qc_methodLayers)
+        return qcScene_SetVertices(scene, id, soup->positions, qc_positionF64, 0);
+    float* floats = malloc(3 * sizeof *floats * soup->vertexCount);
+    ck_assert_ptr_nonnull(floats);
+    for (size_t i = 0; i < 3 * (size_t)soup->vertexCount; i++)
+        floats[i] = (float)soup->positions[i];
+    qcStatus status = qcScene_SetVertices(scene, id, floats, qc_positionF32, 0);
+    free(floats);
+    return status;
+}
+
 /// One whole use of the library; the first status that is not ok.
 static qcStatus UseScene(qcDevice* device, const qcSoup* soup, qcMethod method, double margin, bool manifolds,
                          size_t* pairs)
@@ -45,7 +59,7 @@ static qcStatus UseScene(qcDevice* device, const qcSoup* soup, qcMethod method, 
     if (status == qc_statusOk)
         status = qcScene_AddBody(scene, &bodyDef, &id);
     if (status == qc_statusOk)
-        status = qcScene_SetVertices(scene, id, soup->positions, qc_positionF64, 0);
+        status = SetVertices(scene, id, soup, method);
     qcDetectDef def = qcDefaultDetectDef();
     def.method = method;
     def.touching = def.segments = def.proximities = def.candidates = def.sets = true;
@@ -243,6 +257,45 @@ static void FailEachOfMotion(qcMethod method)
     CHECK_OK(qcSetAllocator(NULL, NULL, NULL));
 }
 
+START_TEST(a_calibration_without_memory_leaves_auto_with_all_pairs)
+{
+    qcFailingHeap heap = {0, 0, 0};
+    CHECK_OK(qcSetAllocator(qcFailingHeap_Allocate, qcFailingHeap_Release, &heap));
+    qcDevice* device = qcOpenOrSkip(qc_deviceOsmesa);
+    qcSoup soup = qcSoup_MakeFoldedCloth(2, 60, 0.02, 0.03);
+    qcScene* reference = qcMakeScene(NULL);
+    qcAddSoup(reference, &soup);
+    qcDetectDef def = qcDefaultDetectDef();
+    def.threads = 1;
+    qcPairList expected = qcDetectPairs(reference, &def);
+    for (size_t call = 1; call <= 12 && device != NULL; call++)
+    {
+        // Without costs, so that the first step measures them.
+        CHECK_OK(qcDevice_Reopen(device));
+        qcScene* scene = qcMakeScene(device);
+        qcAddSoup(scene, &soup);
+        heap.calls = 0;
+        heap.failAt = call;
+        const qcResult* result;
+        qcStatus status = qcScene_Detect(scene, &def, &result);
+        ck_assert_uint_ge(heap.calls, call);
+        heap.failAt = 0;
+        ck_assert(status == qc_statusOk || status == qc_statusOutOfMemory);
+        if (status != qc_statusOk)
+            CHECK_OK(qcScene_Detect(scene, &def, &result));
+        qcPairList found = qcListOf(result);
+        qcCheckSamePairs(&expected, &found, "auto");
+        qcScene_Destroy(scene);
+    }
+    free(expected.pairs);
+    qcSoup_Free(&soup);
+    qcScene_Destroy(reference);
+    qcDevice_Destroy(device);
+    ck_assert_uint_eq(heap.live, 0);
+    CHECK_OK(qcSetAllocator(NULL, NULL, NULL));
+}
+END_TEST
+
 START_TEST(a_failed_allocation_in_a_motion_leaves_the_scene_valid)
 {
     FailEachOfMotion(qc_methodSweep);
@@ -265,4 +318,5 @@ QC_RUN_TESTS("out of memory", a_failed_allocation_in_sweep_leaves_the_scene_vali
              a_failed_allocation_in_contacts_leaves_the_scene_valid,
              a_failed_allocation_in_manifolds_leaves_the_scene_valid,
              a_failed_allocation_in_layers_leaves_the_scene_valid,
+             a_calibration_without_memory_leaves_auto_with_all_pairs,
              a_failed_allocation_in_a_motion_leaves_the_scene_valid, the_allocator_cannot_change_while_bytes_are_held)

@@ -52,11 +52,6 @@ const char* qcLayersBuffers_SamplerName(const qcLayersBuffers* b, int buffer)
     return isGroup ? NULL : s_shapes[buffer].sampler;
 }
 
-size_t qcLayersBuffers_ElementSize(int buffer)
-{
-    return s_shapes[buffer].elementSize;
-}
-
 void qcLayersBuffers_Create(const struct qcGlFunctions* gl, qcLayersBuffers* b)
 {
     // 64 bits: the limits of some GPUs are 2^31 and more.

@@ -45,7 +45,6 @@ void qcLayersBuffers_Delete(const struct qcGlFunctions* gl, const qcLayersBuffer
 
 /// Name of the sampler of a buffer in the kernels; null: it has none.
 const char* qcLayersBuffers_SamplerName(const qcLayersBuffers* b, int buffer);
-size_t qcLayersBuffers_ElementSize(int buffer);
 
 /// Resizes a buffer to exactly `count` elements; its content is lost, and so are all bindings. qc_statusDevice names
 /// the limit or the error.
