@@ -259,6 +259,17 @@ START_TEST(a_vertex_over_a_sliver_has_the_exact_distance)
 }
 END_TEST
 
+START_TEST(triangles_a_hair_apart_have_the_normal_of_their_faces)
+{
+    const double gap = 0x1p-520, a[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+                 b[3][3] = {{0, 0, gap}, {1, 0, gap}, {0, 1, gap}}, up[3] = {0, 0, 1};
+    qcProximity proximity = Find(a, b);
+    ck_assert(proximity.distance >= 0.0 && proximity.distance <= 1e-12);
+    for (int axis = 0; axis < 3; axis++)
+        ck_assert_double_eq(fabs(proximity.normal[axis]), up[axis]);
+}
+END_TEST
+
 START_TEST(points_of_the_largest_triangles_are_finite)
 {
     const double max = DBL_MAX;
@@ -291,6 +302,7 @@ int main(void)
     tcase_add_test(tcase, equal_triangles_have_opposite_normals_unless_their_corners_have_the_same_order);
     tcase_add_test(tcase, results_are_as_accurate_far_from_the_origin);
     tcase_add_test(tcase, a_vertex_over_a_sliver_has_the_exact_distance);
+    tcase_add_test(tcase, triangles_a_hair_apart_have_the_normal_of_their_faces);
     tcase_add_test(tcase, points_of_the_largest_triangles_are_finite);
     tcase_add_test(tcase, a_power_of_two_scales_lengths_exactly);
     suite_add_tcase(suite, tcase);

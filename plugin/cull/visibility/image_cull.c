@@ -4,14 +4,11 @@
 
 #include "base/status.h"
 
-/// Which triangles of a body a level draws, by their packed sets in the PCS.
-typedef bool IsDrawn(uint8_t sets);
+#include <assert.h>
 
-static bool DrawAll(uint8_t sets)
-{
-    (void)sets;
-    return true;
-}
+/// Whether a level draws a triangle with these packed sets of the PCS. Before a level all triangles of a body have the
+/// same.
+typedef bool IsDrawn(uint8_t sets);
 
 static bool DrawInter(uint8_t sets)
 {
@@ -86,20 +83,16 @@ static Frame FindFrame(const qcImageCull* cull, const qcStepTriangles* triangles
     return frame;
 }
 
-/// Fills corners and primitives with the triangles of the level's bodies.
-static qcStatus Gather(const qcStepTriangles* triangles, const qcPcs* pcs, const Frame* frame, qcCullLevel level,
-                       IsDrawn* isDrawn, qcImageCull* cull)
+/// Fills corners and primitives with the triangles of the level's bodies, which take part as a whole.
+static qcStatus Gather(const qcStepTriangles* triangles, const Frame* frame, qcCullLevel level, qcImageCull* cull)
 {
     cull->corners.count = cull->primitives.count = cull->sets.count = 0;
     for (size_t i = 0; i < cull->bodies.count; i++)
     {
-        uint32_t number = QC_AT(uint32_t, cull->bodies, i), first = qcStepTriangles_First(triangles, number);
-        const qcBody* body = qcStepTriangles_Body(triangles, number);
+        const qcBody* body = qcStepTriangles_Body(triangles, QC_AT(uint32_t, cull->bodies, i));
         uint32_t begin = (uint32_t)(cull->corners.count / 9);
         for (uint32_t t = 0; t < body->triangleCount; t++)
         {
-            if (!isDrawn(QC_AT(uint8_t, pcs->triangleSets, first + t)))
-                continue;
             uint32_t drawn = (uint32_t)(cull->corners.count / 9);
             QC_TRY(AddCorners(cull, frame, body, t));
             if (level != qc_levelObjects)
@@ -119,12 +112,12 @@ static double FindGrowth(const Frame* frame, int axis, double margin)
 }
 
 /// Fills cull->sets, one for each primitive. `slot` names the records of qc_levelSelf.
-static qcStatus RunLevel(const qcImageCullJob* job, const qcStepTriangles* triangles, const qcPcs* pcs,
-                         qcCullLevel level, IsDrawn* isDrawn, uint32_t slot, qcImageCull* cull)
+static qcStatus RunLevel(const qcImageCullJob* job, const qcStepTriangles* triangles, qcCullLevel level, uint32_t slot,
+                         qcImageCull* cull)
 {
     const qcDetectDef* def = job->def;
     Frame frame = FindFrame(cull, triangles);
-    QC_TRY(Gather(triangles, pcs, &frame, level, isDrawn, cull));
+    QC_TRY(Gather(triangles, &frame, level, cull));
     if (cull->primitives.count < 2)
         return qc_statusOk; // a single primitive stays in NFV: no other one can hide it
     qcCullJob twoPass = {.device = job->device,
@@ -159,7 +152,7 @@ qcStatus qcImageCull_Bodies(const qcImageCullJob* job, const qcStepTriangles* tr
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
         if (qcStepTriangles_Body(triangles, body)->triangleCount != 0)
             QC_TRY(AddBody(cull, body));
-    QC_TRY(RunLevel(job, triangles, pcs, qc_levelObjects, DrawAll, 0, cull));
+    QC_TRY(RunLevel(job, triangles, qc_levelObjects, 0, cull));
     for (size_t i = 0; i < cull->bodies.count; i++)
         QC_AT(uint8_t, pcs->bodySets, QC_AT(uint32_t, cull->bodies, i)) =
             (uint8_t)QC_AT(qcVisibilitySet, cull->sets, i);
@@ -177,8 +170,7 @@ static void StoreSets(const qcImageCull* cull, const qcStepTriangles* triangles,
         {
             uint8_t* sets = &QC_AT(uint8_t, pcs->triangleSets, t);
             unsigned inter = qcPcs_InterSet(*sets), own = qcPcs_SelfSet(*sets);
-            if ((self ? own : inter) == qc_setBfv)
-                continue;
+            assert((self ? own : inter) != qc_setBfv);
             unsigned set = QC_AT(qcVisibilitySet, cull->sets, at++);
             *sets = self ? qcPcs_Pack(inter, set) : qcPcs_Pack(set, own);
         }
@@ -187,10 +179,8 @@ static void StoreSets(const qcImageCull* cull, const qcStepTriangles* triangles,
 
 static bool TakesPart(const qcStepTriangles* triangles, const qcPcs* pcs, uint32_t body, IsDrawn* isDrawn)
 {
-    for (uint32_t t = qcStepTriangles_First(triangles, body); t < qcStepTriangles_First(triangles, body + 1); t++)
-        if (isDrawn(QC_AT(uint8_t, pcs->triangleSets, t)))
-            return true;
-    return false;
+    uint32_t first = qcStepTriangles_First(triangles, body);
+    return first != qcStepTriangles_First(triangles, body + 1) && isDrawn(QC_AT(uint8_t, pcs->triangleSets, first));
 }
 
 qcStatus qcImageCull_Triangles(const qcImageCullJob* job, const qcStepTriangles* triangles, qcImageCull* cull,
@@ -202,7 +192,7 @@ qcStatus qcImageCull_Triangles(const qcImageCullJob* job, const qcStepTriangles*
             QC_TRY(AddBody(cull, body));
     if (cull->bodies.count != 0)
     {
-        QC_TRY(RunLevel(job, triangles, pcs, qc_levelTriangles, DrawInter, 0, cull));
+        QC_TRY(RunLevel(job, triangles, qc_levelTriangles, 0, cull));
         StoreSets(cull, triangles, false, pcs);
     }
     // Dilated neighbours overlap in every view: no triangle of a mesh would be fully visible.
@@ -214,7 +204,7 @@ qcStatus qcImageCull_Triangles(const qcImageCullJob* job, const qcStepTriangles*
             continue;
         cull->bodies.count = 0;
         QC_TRY(AddBody(cull, body));
-        QC_TRY(RunLevel(job, triangles, pcs, qc_levelSelf, DrawSelf, qcStepTriangles_Slot(triangles, body), cull));
+        QC_TRY(RunLevel(job, triangles, qc_levelSelf, qcStepTriangles_Slot(triangles, body), cull));
         StoreSets(cull, triangles, true, pcs);
     }
     return qc_statusOk;
