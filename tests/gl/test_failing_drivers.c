@@ -63,6 +63,17 @@ static void MakeUnreadable(struct qcGlFunctions* gl)
     gl->MapBufferRange = MapNothing;
 }
 
+static void* APIENTRY MapNowhere(GLenum target, GLintptr offset, GLsizeiptr size, GLbitfield access)
+{
+    return s_failures > 0 && s_failures-- > 0 ? NULL : s_real.MapBufferRange(target, offset, size, access);
+}
+
+static void MakeUnmapped(struct qcGlFunctions* gl)
+{
+    gl->BufferStorage = NULL;
+    gl->MapBufferRange = MapNowhere;
+}
+
 static GLenum APIENTRY WaitInVain(GLsync fence, GLbitfield flags, GLuint64 timeout)
 {
     GLenum reached = s_real.ClientWaitSync(fence, flags, timeout);
@@ -132,6 +143,31 @@ START_TEST(a_readback_that_does_nothing_is_no_result)
     CheckUnfinished(MakeUnreadable, 1, "processor");
     CheckUnfinished(MakeEndless, 1, "device");
     CheckUnfinished(MakeEndless, 1, "processor");
+}
+END_TEST
+
+START_TEST(a_readback_that_is_refused_is_named_and_the_next_step_reads)
+{
+    const char* refiners[] = {"device", "processor"};
+    for (int i = 0; i < 2; i++)
+    {
+        setenv("QC_LAYERS_REFINE", refiners[i], 1);
+        QC_FOR_EACH_DEVICE(device)
+        {
+            if (!MakeDriver(device, MakeUnmapped))
+                continue;
+            World world = MakeWorld(device);
+            ck_assert_ptr_null(CheckPairs(world.scene, 0.0));
+            MoveAll(&world);
+            s_failures = 1;
+            CheckReason(CheckPairs(world.scene, 0.0), "the device's answer can't be read");
+            qcScene_Destroy(world.scene);
+            // In a new scene the device is tried at once.
+            world = MakeWorld(device);
+            ck_assert_ptr_null(CheckPairs(world.scene, 0.0));
+            qcScene_Destroy(world.scene);
+        }
+    }
 }
 END_TEST
 
@@ -358,7 +394,7 @@ START_TEST(a_lost_device_is_reported_and_its_scenes_go_on_once_it_is_reopened)
 END_TEST
 
 QC_RUN_TESTS("failing drivers", a_gl_error_between_two_allocations_is_reported,
-             a_readback_that_does_nothing_is_no_result, kernels_that_do_not_run_give_no_result,
-             a_device_that_keeps_failing_is_tried_ever_less,
+             a_readback_that_does_nothing_is_no_result, a_readback_that_is_refused_is_named_and_the_next_step_reads,
+             kernels_that_do_not_run_give_no_result, a_device_that_keeps_failing_is_tried_ever_less,
              a_device_that_failed_is_tried_at_once_when_the_scene_is_of_another_size,
              a_lost_device_is_reported_and_its_scenes_go_on_once_it_is_reopened)

@@ -1,6 +1,6 @@
 // Pictures: colours in the right pixels, the top row first, no seam between tiles, and bad input refused by name.
 // Colours are compared by their largest channel, since light changes their brightness.
-#include "support/devices.h"
+#include "gl/replaced_driver.h"
 #include "support/suite.h"
 
 #include <math.h>
@@ -293,6 +293,42 @@ static void Refuse(qcDevice* device, const qcPictureDef* def, const char* words)
         ck_assert_uint_eq(rgb[i], 7);
 }
 
+static int s_statusesLeft; // of framebuffers, until one is incomplete
+
+static GLenum APIENTRY CheckStatus(GLenum target)
+{
+    return s_statusesLeft-- == 0 ? GL_FRAMEBUFFER_UNSUPPORTED : s_real.CheckFramebufferStatus(target);
+}
+
+static void MakeIncomplete(struct qcGlFunctions* gl)
+{
+    gl->CheckFramebufferStatus = CheckStatus;
+}
+
+START_TEST(an_image_that_the_driver_refuses_is_named_and_the_next_picture_is_drawn)
+{
+    QC_FOR_EACH_DEVICE(device)
+    {
+        (void)MakeDriver(device, MakeIncomplete);
+        const qcPictureMesh square = Square();
+        Picture picture = Prepare(&square, 1);
+        picture.def.hasGround = true;
+        uint8_t* rgb = calloc((size_t)picture.def.width * picture.def.height, 3);
+        int refused = 0;
+        for (s_statusesLeft = 0; qcDevice_DrawPicture(device, &picture.def, rgb) != qc_statusOk;
+             s_statusesLeft = refused)
+        {
+            ck_assert_ptr_nonnull(strstr(qcLastMessage(), "(0x8cdd)"));
+            refused++;
+        }
+        // The picture's two framebuffers, and those of the light.
+        ck_assert_int_ge(refused, 4);
+        free(rgb);
+    }
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
 START_TEST(a_bad_camera_is_refused_by_name)
 {
     // Input is checked before the device is used.
@@ -402,4 +438,5 @@ QC_RUN_TESTS("picture", a_mesh_is_drawn_in_the_middle_and_background_in_the_corn
              marked_triangles_and_only_they_have_the_mark_colour, the_top_row_is_first_and_the_left_column_too,
              the_nearer_mesh_hides_the_farther_one, edges_are_drawn_as_darker_lines, a_slanted_edge_is_antialiased,
              smooth_shading_changes_within_a_triangle_flat_shading_does_not, a_picture_larger_than_a_tile_has_no_seam,
-             an_empty_picture_is_background, a_bad_camera_is_refused_by_name, a_bad_mesh_is_refused_by_number)
+             an_empty_picture_is_background, an_image_that_the_driver_refuses_is_named_and_the_next_picture_is_drawn,
+             a_bad_camera_is_refused_by_name, a_bad_mesh_is_refused_by_number)
