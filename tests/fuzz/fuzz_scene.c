@@ -12,7 +12,8 @@
 enum
 {
     qc_slots = 4,
-    qc_maxSide = 5, ///< of a sheet, in squares
+    qc_usualSide = 5, ///< of a sheet, in squares: one leaf of a BVH
+    qc_maxSide = 9,   ///< of one sheet in a scene, since brute force takes a step of each
     qc_maxVertices = (qc_maxSide + 1) * (qc_maxSide + 1),
     qc_maxTriangles = 2 * qc_maxSide * qc_maxSide,
     qc_maxFreeVertices = 12, ///< of a body whose coordinates are in the input
@@ -37,6 +38,7 @@ typedef struct World
     qcScene* scene;
     qcBodyId stale; ///< of a removed body, or of none
     bool isWild;    ///< has lengths whose squares are not normal: no contacts
+    bool hasLarge;  ///< had a sheet with more squares than are usual
     int exponent;   ///< the unit of coordinates is this power of two
     Body body[qc_slots];
 } World;
@@ -117,6 +119,14 @@ static bool Pack(const double* positions, uint32_t count, qcPositionType type, d
     return isFinite;
 }
 
+/// Packed positions with a gap behind each.
+static void Spread(const double* packed, uint32_t count, qcPositionType type, double spread[5 * qc_maxVertices])
+{
+    size_t size = type == qc_positionF64 ? 3 * sizeof(double) : 3 * sizeof(float);
+    for (uint32_t v = 0; v < count; v++)
+        memcpy((char*)spread + (size + sizeof(double)) * v, (const char*)packed + size * v, size);
+}
+
 /// What the scene holds of positions that it was given in a type.
 static void Round(double* positions, uint32_t count, qcPositionType type)
 {
@@ -129,7 +139,11 @@ static void Round(double* positions, uint32_t count, qcPositionType type)
 /// A rough sheet, at a place of the input. Lengths are multiples of an eighth of the unit.
 static void MakeSheet(World* w, Body* body)
 {
-    uint32_t side = 1 + Fuzz_TakeBelow(&w->bytes, qc_maxSide), across = side + 1, noise = Fuzz_TakeByte(&w->bytes);
+    uint8_t way = Fuzz_TakeByte(&w->bytes);
+    bool isLarge = way >= 240 && !w->hasLarge;
+    w->hasLarge = w->hasLarge || isLarge;
+    uint32_t side = isLarge ? qc_maxSide - way % 4u : 1u + way % qc_usualSide;
+    uint32_t across = side + 1, noise = Fuzz_TakeByte(&w->bytes);
     uint32_t most = 1 + Fuzz_TakeBelow(&w->bytes, 8);
     double at[3];
     for (int axis = 0; axis < 3; axis++)
@@ -236,13 +250,17 @@ static void AddBody(World* w)
 
 static void SetVertices(World* w, Body* body)
 {
-    double positions[3 * qc_maxVertices], packed[3 * qc_maxVertices];
+    double positions[3 * qc_maxVertices], packed[3 * qc_maxVertices], spread[5 * qc_maxVertices] = {0};
     memcpy(positions, body->positions, sizeof positions);
-    qcPositionType type = Fuzz_TakeBelow(&w->bytes, 4) == 0 ? qc_positionF32 : qc_positionF64;
+    uint32_t way = Fuzz_TakeBelow(&w->bytes, 4);
+    qcPositionType type = way % 2 == 0 ? qc_positionF32 : qc_positionF64;
+    size_t stride =
+        way < 2 ? 0 : (type == qc_positionF64 ? 4 : 5) * (type == qc_positionF64 ? sizeof(double) : sizeof(float));
     uint32_t count = body->def.vertexCount;
     ChangePositions(w, positions, count);
     bool isGood = Pack(positions, count, type, packed) && body->def.deforming;
-    qcStatus status = qcScene_SetVertices(w->scene, body->id, packed, type, 0);
+    Spread(packed, count, type, spread);
+    qcStatus status = qcScene_SetVertices(w->scene, body->id, stride == 0 ? packed : spread, type, stride);
     FUZZ_CHECK(status == (isGood ? qc_statusOk : qc_statusBadInput));
     if (!isGood)
         return;
@@ -329,6 +347,42 @@ static void UseWrongId(World* w)
     FUZZ_CHECK(qcScene_SetMargin(w->scene, id, 0.0) == qc_statusBadInput);
 }
 
+static void EnterStage(const char* stage)
+{
+    FUZZ_CHECK(stage[0] != '\0');
+}
+
+static void LeaveStage(void)
+{
+}
+
+/// Definitions that no scene accepts.
+static void UseWrongDefinition(World* w)
+{
+    qcDetectDef def = qcDefaultDetectDef();
+    const qcResult* result;
+    switch (Fuzz_TakeBelow(&w->bytes, 12))
+    {
+        case 0: def.method = (qcMethod)99; break;
+        case 1: def.enterStage = EnterStage; break;
+        case 2: def.margin = -1.0; break;
+        case 3: def.contactMargin = INFINITY; break;
+        case 4: def.spacing = NAN; break;
+        case 5: def.layerColumns = 5000; break;
+        case 6: def.layerDepthAxis = 'w'; break;
+        case 7: def.motion = def.segments = true; break;
+        case 8: def.margin = def.motion = true; break;
+        case 9: def.structSize = 3; break;
+        case 10:
+            def.method = qc_methodQuick;
+            def.resolution = 0;
+            break;
+        default: def.method = qc_methodCullide; memcpy(def.views, "xx", 3);
+    }
+    FUZZ_CHECK(qcScene_Detect(w->scene, &def, &result) == qc_statusBadInput);
+    FUZZ_CHECK(qcLastMessage()[0] != '\0');
+}
+
 //  ---- steps -------------------------------------------------------------------------------------------------------
 
 static bool FilterPairs(void* context, uint32_t slotA, uint32_t slotB)
@@ -360,6 +414,14 @@ static qcDetectDef TakeRequest(World* w)
     }
     if ((rest & 24) == 24)
         def.spacing = ldexp(rest >> 5, w->exponent);
+    if ((flags & 3) != 2)
+        return def;
+    uint8_t reports = Fuzz_TakeByte(&w->bytes);
+    def.candidates = (reports & 1) != 0;
+    def.unoriented = (reports & 2) != 0;
+    def.sets = (reports & 4) != 0;
+    def.enterStage = (reports & 8) != 0 ? EnterStage : NULL;
+    def.leaveStage = (reports & 8) != 0 ? LeaveStage : NULL;
     return def;
 }
 
@@ -416,6 +478,32 @@ static void CheckSubset(const qcResult* found, const qcResult* expected)
     }
 }
 
+static int CompareCandidates(const qcCandidate* a, const qcCandidate* b)
+{
+    const uint32_t x[4] = {a->bodyA, a->triangleA, a->bodyB, a->triangleB};
+    const uint32_t y[4] = {b->bodyA, b->triangleA, b->bodyB, b->triangleB};
+    int i = 0;
+    while (i < 3 && x[i] == y[i])
+        i++;
+    return (x[i] > y[i]) - (x[i] < y[i]);
+}
+
+/// Candidates ascend, and each pair is one of them.
+static void CheckCandidates(const qcResult* found)
+{
+    size_t at = 0;
+    for (size_t i = 1; i < found->candidateCount; i++)
+        FUZZ_CHECK(CompareCandidates(&found->candidates[i - 1], &found->candidates[i]) < 0);
+    for (size_t i = 0; i < found->pairCount; i++)
+    {
+        const qcPair* pair = &found->pairs[i];
+        const qcCandidate candidate = {pair->bodyA, pair->triangleA, pair->bodyB, pair->triangleB};
+        while (at < found->candidateCount && CompareCandidates(&found->candidates[at], &candidate) < 0)
+            at++;
+        FUZZ_CHECK(at < found->candidateCount && CompareCandidates(&found->candidates[at], &candidate) == 0);
+    }
+}
+
 static void CompareResults(const qcDetectDef* def, const qcResult* found, const qcResult* expected)
 {
     if (def->motion && def->method != qc_methodBrute)
@@ -468,6 +556,8 @@ static void Detect(World* w)
     FUZZ_CHECK(status == qc_statusOk || status == qc_statusBadInput);
     if (status == qc_statusOk)
         CompareResults(&def, found, expected);
+    if (status == qc_statusOk && def.candidates)
+        CheckCandidates(found);
     qcScene_Destroy(scene);
 }
 
@@ -489,7 +579,10 @@ static void RunOperation(World* w)
     else if (operation == 9)
         MarkStart(w);
     else if (operation == 10)
+    {
         UseWrongId(w);
+        UseWrongDefinition(w);
+    }
     else
         Detect(w);
 }
