@@ -2,8 +2,8 @@
 # Which lines of the core its tests run: a table by room in the terminal, each line that is not run in
 # build-coverage/coverage.html. Fails below 95 % of the core's lines. Arguments go to ctest:
 #     tests/coverage.sh -R recording
-# Tests that take part: those of the core, not those of Bullet's glue, of the demos and of the house. Some six minutes on
-# two cores. What is not run, and why: tests/README.md.
+# Tests that take part: those of the core, not those of Bullet's glue, of the demos and of the house: 28 minutes on two
+# cores beside other work. What is not run, and why: tests/README.md.
 set -eu
 
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
