@@ -6,3 +6,16 @@ LSAN_OPTIONS=suppressions=$root/tests/presets/leak.supp:print_suppressions=0
 TSAN_OPTIONS=suppressions=$root/tests/presets/thread.supp:print_suppressions=0:second_deadlock_stack=1:die_after_fork=0
 MSAN_OPTIONS=print_stats=0
 export ASAN_OPTIONS UBSAN_OPTIONS LSAN_OPTIONS TSAN_OPTIONS MSAN_OPTIONS
+
+# qc_hide_gl FOLDER: no GL device opens, since the loader finds empty files in FOLDER before the drivers. For the memory
+# sanitizer, for which drivers are not built.
+qc_hide_gl()
+{
+    mkdir -p "$1"
+    for library in libEGL.so.1 libOSMesa.so.8 libOSMesa.so.6 libOSMesa.so; do
+        : >"$1/$library"
+    done
+    QC_TEST_DEVICES=
+    LD_LIBRARY_PATH=$1${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
+    export QC_TEST_DEVICES LD_LIBRARY_PATH
+}
