@@ -94,10 +94,54 @@ static __attribute__((noinline)) void DecideRest(const PairLanes* lanes, uint32_
     *disjoint |= apart & ~*intersecting;
 }
 
+/// Pairs that are kept lie in this order.
+typedef enum RelatedClass
+{
+    related_intersecting,
+    related_undecided,
+    related_deferred, ///< not yet given to DecideRest
+    related_classes
+} RelatedClass;
+
+enum
+{
+    // Undecided lanes that are decided with their vector. Fewer wait until they fill one.
+    qc_minUndecided = QC_LANES / 4
+};
+
+/// Adds a pair to its class; `ends` has the end of each. The first pair of each later class moves to its end.
+QC_INLINE void KeepRelated(qcSlotPair* pairs, qcSlotPair pair, RelatedClass to, size_t ends[related_classes])
+{
+    for (int c = related_classes - 1; c > (int)to; c--)
+        pairs[ends[c]++] = pairs[ends[c - 1]];
+    pairs[ends[to]++] = pair;
+}
+
+/// The pairs from the end of the undecided ones on.
+static void RelateDeferred(const qcIndexedTriangles* a, const qcIndexedTriangles* b,
+                           const qcDistanceThresholds* thresholds, qcSlotPair* pairs, size_t ends[related_classes])
+{
+    size_t at = ends[related_undecided], end = ends[related_deferred];
+    ends[related_deferred] = at;
+    for (; at < end; at += QC_LANES)
+    {
+        size_t left = end - at < QC_LANES ? end - at : QC_LANES;
+        PairLanes lanes = LoadPairs(a, b, thresholds, pairs + at, left);
+        uint32_t disjoint = 0, intersecting = 0;
+        DecideRest(&lanes, &disjoint, &intersecting);
+        for (uint32_t stay = ~disjoint & (uint32_t)((UINT64_C(1) << left) - 1); stay != 0; stay &= stay - 1)
+        {
+            uint32_t lane = (uint32_t)__builtin_ctz(stay);
+            KeepRelated(pairs, pairs[at + lane],
+                        (intersecting >> lane & 1u) != 0 ? related_intersecting : related_undecided, ends);
+        }
+    }
+}
+
 static qcRelatedCounts Relate(const qcIndexedTriangles* a, const qcIndexedTriangles* b,
                               const qcDistanceThresholds* thresholds, qcSlotPair* pairs, size_t count)
 {
-    qcRelatedCounts counts = {0, 0};
+    size_t ends[related_classes] = {0};
     for (size_t at = 0; at < count; at += QC_LANES)
     {
         size_t left = count - at < QC_LANES ? count - at : QC_LANES;
@@ -106,21 +150,20 @@ static qcRelatedCounts Relate(const qcIndexedTriangles* a, const qcIndexedTriang
         PairSigns signs = FindSigns(&lanes);
         Decided decided = Decide(&signs);
         uint32_t disjoint = LaneBits(decided.disjoint), intersecting = LaneBits(decided.intersecting);
-        if (((disjoint | intersecting) & used) != used)
+        RelatedClass rest = related_deferred;
+        if (__builtin_popcount(~(disjoint | intersecting) & used) >= qc_minUndecided)
+        {
             DecideRest(&lanes, &disjoint, &intersecting);
+            rest = related_undecided;
+        }
         for (uint32_t stay = ~disjoint & used; stay != 0; stay &= stay - 1)
         {
             uint32_t lane = (uint32_t)__builtin_ctz(stay);
-            qcSlotPair pair = pairs[at + lane];
-            bool isProven = (intersecting >> lane & 1u) != 0;
-            // The first undecided pair moves to the end.
-            pairs[counts.count] = pairs[counts.intersectingCount];
-            pairs[isProven ? counts.intersectingCount : counts.count] = pair;
-            counts.intersectingCount += isProven;
-            counts.count++;
+            KeepRelated(pairs, pairs[at + lane], (intersecting >> lane & 1u) != 0 ? related_intersecting : rest, ends);
         }
     }
-    return counts;
+    RelateDeferred(a, b, thresholds, pairs, ends);
+    return (qcRelatedCounts){ends[related_intersecting], ends[related_undecided]};
 }
 
 #endif
