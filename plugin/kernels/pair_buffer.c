@@ -3,9 +3,23 @@
 
 #include "base/status.h"
 
-static void AddKey(qcArray* keys, uint64_t key)
+/// Adds the keys of pairs, for which there is room. Returns where they are.
+static uint64_t* AddKeys(qcArray* keys, const qcSlotPair* pairs, size_t count, qcPairKeysFunction* keysOf,
+                         const void* context)
 {
-    QC_AT(uint64_t, *keys, keys->count++) = key;
+    uint64_t* first = (uint64_t*)keys->data + keys->count;
+    if (count != 0)
+        keysOf(context, pairs, count, first);
+    keys->count += count;
+    return first;
+}
+
+static void AddRelated(qcArray* classified, const qcSlotPair* pairs, size_t count, qcRelation relation,
+                       qcPairKeysFunction* keysOf, const void* context)
+{
+    uint64_t* keys = AddKeys(classified, pairs, count, keysOf, context);
+    for (size_t i = 0; i < count; i++)
+        keys[i] = qcRelatedPair_Make(keys[i], relation);
 }
 
 qcStatus qcPairBuffers_Begin(qcArray* buffers, uint32_t threads, uint64_t maxPairs)
@@ -31,36 +45,29 @@ static qcStatus ReserveAll(qcPairBuffer* buffer, size_t count)
 }
 
 bool qcPairBuffer_Add(qcPairBuffer* buffer, const qcClassifiedPairs* found, bool listClassified,
-                      qcPairKeyFunction* keyOf, const void* context)
+                      qcPairKeysFunction* keysOf, const void* context)
 {
     if (!qcWorkerResult_IsOk(&buffer->result) || !qcWorkerResult_Add(&buffer->result, ReserveAll(buffer, found->count)))
         return false;
-    size_t classified = found->nearCount + found->separateCount + found->intersectingCount;
-    for (size_t i = 0; i < found->count; i++)
-    {
-        uint64_t key = keyOf(context, found->pairs[i]);
-        if (i >= classified)
-            AddKey(&buffer->keys, key);
-        else if (i < found->nearCount || i >= found->nearCount + found->separateCount)
-            AddKey(&buffer->classified,
-                   qcRelatedPair_Make(key, i < found->nearCount ? qc_relationNear : qc_relationPenetrating));
-        if (i < classified && listClassified)
-            AddKey(&buffer->contactKeys, key);
-    }
+    size_t disjoint = found->nearCount + found->separateCount, classified = disjoint + found->intersectingCount;
+    AddKeys(&buffer->keys, found->pairs + classified, found->count - classified, keysOf, context);
+    AddRelated(&buffer->classified, found->pairs, found->nearCount, qc_relationNear, keysOf, context);
+    AddRelated(&buffer->classified, found->pairs + disjoint, found->intersectingCount, qc_relationPenetrating, keysOf,
+               context);
+    if (listClassified)
+        AddKeys(&buffer->contactKeys, found->pairs, classified, keysOf, context);
     return true;
 }
 
-void qcPairBuffer_AddNeighbours(qcPairBuffer* buffer, const qcSlotPair* pairs, size_t count, qcPairKeyFunction* keyOf,
+void qcPairBuffer_AddNeighbours(qcPairBuffer* buffer, const qcSlotPair* pairs, size_t count, qcPairKeysFunction* keysOf,
                                 const void* context)
 {
     qcStatus status = qcRelatedPair_CheckCount(buffer->contactKeys.count + count, buffer->maxPairs);
     if (status == qc_statusOk)
         status =
             qcArray_Reserve(&buffer->contactKeys, buffer->contactKeys.count + count, sizeof(uint64_t), "neighbours");
-    if (!qcWorkerResult_Add(&buffer->result, status))
-        return;
-    for (size_t i = 0; i < count; i++)
-        AddKey(&buffer->contactKeys, keyOf(context, pairs[i]));
+    if (qcWorkerResult_Add(&buffer->result, status))
+        AddKeys(&buffer->contactKeys, pairs, count, keysOf, context);
 }
 
 qcStatus qcPairBuffers_End(const qcArray* buffers, const qcPairKeys* keys)

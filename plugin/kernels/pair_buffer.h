@@ -23,16 +23,17 @@ typedef struct qcPairKeys
     qcArray *keys, *contactKeys, *classified;
 } qcPairKeys;
 
-typedef uint64_t qcPairKeyFunction(const void* context, qcSlotPair pair);
+/// Writes the keys of pairs.
+typedef void qcPairKeysFunction(const void* context, const qcSlotPair* pairs, size_t count, uint64_t* keys);
 
 /// Empties the buffers (of qcPairBuffer), one for each thread. A buffer that would hold more than `maxPairs` fails.
 qcStatus qcPairBuffers_Begin(qcArray* buffers, uint32_t threads, uint64_t maxPairs);
 /// Adds undecided pairs to `keys`, near and intersecting ones to `classified`. With `listClassified` all classified
 /// pairs, separate ones too, are also added to `contactKeys`. False: the buffer has failed; `result` has the reason.
 bool qcPairBuffer_Add(qcPairBuffer* buffer, const qcClassifiedPairs* found, bool listClassified,
-                      qcPairKeyFunction* keyOf, const void* context);
+                      qcPairKeysFunction* keysOf, const void* context);
 /// Adds pairs of neighbours to `contactKeys`.
-void qcPairBuffer_AddNeighbours(qcPairBuffer* buffer, const qcSlotPair* pairs, size_t count, qcPairKeyFunction* keyOf,
+void qcPairBuffer_AddNeighbours(qcPairBuffer* buffer, const qcSlotPair* pairs, size_t count, qcPairKeysFunction* keysOf,
                                 const void* context);
 /// Appends all buffers to `keys`. Fails if one of them has failed.
 qcStatus qcPairBuffers_End(const qcArray* buffers, const qcPairKeys* keys);

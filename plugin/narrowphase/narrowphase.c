@@ -47,11 +47,29 @@ static Side SideOf(const qcStepTriangles* t, uint32_t global)
     return (Side){body, global - qcStepTriangles_First(t, body)};
 }
 
+/// The triangles of a body, by their global indices.
+typedef struct BodyTriangles
+{
+    uint32_t first, count, slot;
+} BodyTriangles;
+
+/// `last` has the body of the last triangle, which is mostly that of the next, too.
+static inline uint32_t FindTriangle(const qcStepTriangles* t, uint32_t global, BodyTriangles* last)
+{
+    if (global - last->first >= last->count)
+    {
+        uint32_t body = qcStepTriangles_BodyOf(t, global), first = qcStepTriangles_First(t, body);
+        *last = (BodyTriangles){first, qcStepTriangles_First(t, body + 1) - first, qcStepTriangles_Slot(t, body)};
+    }
+    return global - last->first;
+}
+
 /// A cache of one triangle's corners: consecutive pairs of a list mostly share one triangle.
 typedef struct Corners
 {
     bool filled;
     uint32_t global;
+    BodyTriangles own; ///< of its body
     const qcBody* body;
     double corner[3][3];     ///< at the start of a motion
     qcMovingTriangle moving; ///< of a motion only
@@ -62,19 +80,19 @@ static void LoadCorners(const Job* job, uint32_t global, Corners* corners)
 {
     if (corners->filled && corners->global == global)
         return;
-    Side side = SideOf(job->triangles, global);
+    uint32_t triangle = FindTriangle(job->triangles, global, &corners->own);
     corners->filled = true;
     corners->global = global;
-    corners->body = qcStepTriangles_Body(job->triangles, side.body);
-    corners->indices = corners->body->indices + 3 * (size_t)side.triangle;
+    corners->body = &QC_AT(qcBody, job->triangles->bodies->slots, corners->own.slot);
+    corners->indices = corners->body->indices + 3 * (size_t)triangle;
     if (!job->def->motion)
     {
-        qcBody_GetTriangle(corners->body, side.triangle, corners->corner);
+        qcBody_GetTriangle(corners->body, triangle, corners->corner);
         return;
     }
-    qcBody_GetStartTriangle(corners->body, side.triangle, corners->corner);
+    qcBody_GetStartTriangle(corners->body, triangle, corners->corner);
     memcpy(corners->moving.start, corners->corner, sizeof corners->corner);
-    qcBody_GetTriangle(corners->body, side.triangle, corners->moving.end);
+    qcBody_GetTriangle(corners->body, triangle, corners->moving.end);
 }
 
 static void LoadPair(const Job* job, uint64_t key, Corners corners[2])
@@ -192,6 +210,7 @@ static void TakeBlock(void* context, size_t block, uint32_t workerIndex)
     size_t end = first + qc_blockSize < keys->count ? first + qc_blockSize : keys->count;
     Corners corners[2]; // too large to be cleared for each block
     corners[0].filled = corners[1].filled = false;
+    corners[0].own = corners[1].own = (BodyTriangles){0, 0, 0};
     for (size_t i = first; i < end && !contactsOnly && qcWorkerResult_IsOk(&worker->result); i++)
         TestPair(job, worker, QC_AT(uint64_t, *keys, i), corners);
     if (job->def->contactMargin == 0.0)
@@ -262,14 +281,15 @@ static void FillPairs(void* context, size_t block, uint32_t worker)
     const qcStepTriangles* t = job->triangles;
     const qcArray* related = &job->narrow->related;
     size_t end = (block + 1) * qc_pairBlock < related->count ? (block + 1) * qc_pairBlock : related->count;
+    BodyTriangles a = {0, 0, 0}, b = {0, 0, 0};
     for (size_t i = block * qc_pairBlock; i < end; i++)
     {
         uint64_t pair = QC_AT(uint64_t, *related, i), key = qcRelatedPair_Key(pair);
-        Side a = SideOf(t, (uint32_t)(key >> 32)), b = SideOf(t, (uint32_t)key);
-        QC_AT(qcPair, job->narrow->pairs, i) = (qcPair){.bodyA = qcStepTriangles_Slot(t, a.body),
-                                                        .triangleA = a.triangle,
-                                                        .bodyB = qcStepTriangles_Slot(t, b.body),
-                                                        .triangleB = b.triangle,
+        uint32_t triangleA = FindTriangle(t, (uint32_t)(key >> 32), &a), triangleB = FindTriangle(t, (uint32_t)key, &b);
+        QC_AT(qcPair, job->narrow->pairs, i) = (qcPair){.bodyA = a.slot,
+                                                        .triangleA = triangleA,
+                                                        .bodyB = b.slot,
+                                                        .triangleB = triangleB,
                                                         .relation = qcRelatedPair_Relation(pair)};
     }
 }

@@ -20,8 +20,9 @@ static qcStatus Number(qcStepTriangles* t, const qcBodies* bodies)
     t->count = (uint32_t)total;
     QC_TRY(qcArray_Resize(&t->slots, t->bodyCount, sizeof(uint32_t), "bodies of a step"));
     QC_TRY(qcArray_Resize(&t->first, (size_t)t->bodyCount + 1, sizeof(uint32_t), "bodies of a step"));
-    QC_TRY(qcArray_Resize(&t->bodyOf, t->count, sizeof(uint32_t), "triangles of a step"));
-    uint32_t body = 0, global = 0;
+    uint32_t blocks = t->count / qc_triangleBlock + (t->count % qc_triangleBlock != 0);
+    QC_TRY(qcArray_Resize(&t->blockBody, (size_t)blocks + 1, sizeof(uint32_t), "triangles of a step"));
+    uint32_t body = 0, global = 0, block = 0;
     for (uint32_t slot = 0; slot < bodies->slots.count; slot++)
     {
         const qcBody* b = &QC_AT(qcBody, bodies->slots, slot);
@@ -29,8 +30,11 @@ static qcStatus Number(qcStepTriangles* t, const qcBodies* bodies)
             continue;
         QC_AT(uint32_t, t->slots, body) = slot;
         QC_AT(uint32_t, t->first, body) = global;
-        for (uint32_t i = 0; i < b->triangleCount; i++)
-            QC_AT(uint32_t, t->bodyOf, global++) = body;
+        global += b->triangleCount;
+        for (; block < blocks && block * qc_triangleBlock < global; block++)
+            QC_AT(uint32_t, t->blockBody, block) = body;
+        if (b->triangleCount != 0)
+            QC_AT(uint32_t, t->blockBody, blocks) = body;
         body++;
     }
     QC_AT(uint32_t, t->first, body) = global;
@@ -84,5 +88,5 @@ void qcStepTriangles_Free(qcStepTriangles* t)
 {
     qcArray_Free(&t->slots);
     qcArray_Free(&t->first);
-    qcArray_Free(&t->bodyOf);
+    qcArray_Free(&t->blockBody);
 }

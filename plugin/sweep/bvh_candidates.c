@@ -36,11 +36,12 @@ double qcBvhCandidates_PairDistance(const qcBvhCandidatesJob* job, const qcBody*
     return qcBvhCandidates_DistanceWithin(job, a->margin + b->margin);
 }
 
-static uint64_t KeyOf(const void* context, qcSlotPair pair)
+static void KeysOf(const void* context, const qcSlotPair* pairs, size_t count, uint64_t* keys)
 {
     const PairSides* sides = context;
-    return qcStepTriangles_Key(sides->first[0] + sides->triangles[0][pair.a],
-                               sides->first[1] + sides->triangles[1][pair.b]);
+    const uint32_t *a = sides->triangles[0], *b = sides->triangles[1];
+    for (size_t i = 0; i < count; i++)
+        keys[i] = qcStepTriangles_Key(sides->first[0] + a[pairs[i].a], sides->first[1] + b[pairs[i].b]);
 }
 
 static bool AddKeys(void* context, const qcClassifiedPairs* found, uint32_t worker)
@@ -49,7 +50,7 @@ static bool AddKeys(void* context, const qcClassifiedPairs* found, uint32_t work
     const Run* run = sides->run;
     if (sides->verletSlot != UINT32_MAX)
         qcVerletList_Add(&run->sweep->verletList, sides->verletSlot, found, worker);
-    return qcPairBuffer_Add(&QC_AT(qcPairBuffer, run->sweep->buffers, worker), found, run->job->listNeighbours, KeyOf,
+    return qcPairBuffer_Add(&QC_AT(qcPairBuffer, run->sweep->buffers, worker), found, run->job->listNeighbours, KeysOf,
                             sides);
 }
 
@@ -248,7 +249,7 @@ static qcStatus EndVerlet(const Run* run)
 static void AddContactKeys(void* context, const qcSlotPair* pairs, size_t count, uint32_t worker)
 {
     const PairSides* sides = context;
-    qcPairBuffer_AddNeighbours(&QC_AT(qcPairBuffer, sides->run->sweep->buffers, worker), pairs, count, KeyOf, sides);
+    qcPairBuffer_AddNeighbours(&QC_AT(qcPairBuffer, sides->run->sweep->buffers, worker), pairs, count, KeysOf, sides);
 }
 
 static qcStatus AddNeighbourPairs(const Run* run, uint32_t body, qcProfile* profile)

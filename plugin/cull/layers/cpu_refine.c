@@ -37,10 +37,11 @@ static uint32_t GlobalIndexOf(const qcCpuRefineJob* job, uint32_t triangleSlot)
     return qcStepTriangles_First(job->triangles, job->bodyOf[slot]) + triangle;
 }
 
-static uint64_t KeyOf(const void* context, qcSlotPair pair)
+static void KeysOf(const void* context, const qcSlotPair* pairs, size_t count, uint64_t* keys)
 {
     const Refining* r = context;
-    return qcStepTriangles_Key(GlobalIndexOf(r->job, pair.a), GlobalIndexOf(r->job, pair.b));
+    for (size_t i = 0; i < count; i++)
+        keys[i] = qcStepTriangles_Key(GlobalIndexOf(r->job, pairs[i].a), GlobalIndexOf(r->job, pairs[i].b));
 }
 
 static void Flush(Queue* queue)
@@ -50,7 +51,8 @@ static void Flush(Queue* queue)
     queue->count += found.count;
     queue->end = queue->pairs;
     qcClassifiedPairs_Filter(&found, r->memory->kernels, r->sides, &r->bound, false);
-    qcPairBuffer_Add(&QC_AT(qcPairBuffer, r->memory->buffers, queue->worker), &found, r->job->listClassified, KeyOf, r);
+    qcPairBuffer_Add(&QC_AT(qcPairBuffer, r->memory->buffers, queue->worker), &found, r->job->listClassified, KeysOf,
+                     r);
 }
 
 /// Whether two bodies are tested, by the device's table: qcBodyPair_Classify without sets and without the step's
