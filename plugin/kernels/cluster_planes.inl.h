@@ -38,7 +38,7 @@ QC_INLINE PlaneFloats DotPlanes(PlaneVectors a, PlaneVectors b)
 /// Corner c of triangles, in the frame of the first BVH.
 QC_INLINE PlaneVectors LoadCorner(const qcPlaneTest* test, int side, const qcCorners* corners, int c)
 {
-    PlaneFloats p[3], x[3];
+    PlaneFloats p[4], x[3];
     LoadPlanePoints(test->sides[side].points, corners, c, p);
     if (side == 0 || !test->thresholds->isTransformed)
         return (PlaneVectors){p[0], p[1], p[2]};

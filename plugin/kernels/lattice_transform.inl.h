@@ -16,7 +16,7 @@ QC_INLINE void ScaleBoxes(const qcBox8* boxes, const qcBoxTransform* transform, 
     {
         EightFloats lower = LoadEnds(boxes->ends[axis]), end = -LoadEnds(boxes->ends[axis] + qc_boxLanes);
         float scale = transform->linear[axis][axis], shift = transform->shift[axis], grow = transform->grow[axis];
-        StoreEnds(lower * scale + (shift - grow), end * scale + (shift + grow), boxes, axis, transformed);
+        StoreEnds(lower * scale + (shift - grow), end * scale + (shift + grow), boxes->ends[0], axis, transformed);
     }
 }
 
@@ -41,7 +41,7 @@ static void TransformBoxes(const qcBox8* boxes, const qcBoxTransform* transform,
         float size[3] = {__builtin_fabsf(row[0]), __builtin_fabsf(row[1]), __builtin_fabsf(row[2])};
         EightFloats at = row[0] * centre[0] + row[1] * centre[1] + row[2] * centre[2] + transform->shift[axis];
         EightFloats around = size[0] * half[0] + size[1] * half[1] + size[2] * half[2] + transform->grow[axis];
-        StoreEnds(at - around, at + around, boxes, axis, transformed);
+        StoreEnds(at - around, at + around, boxes->ends[0], axis, transformed);
     }
 }
 
@@ -50,11 +50,13 @@ static void TransformTriangles(const qcTransformedBvh* bvh, uint32_t cluster, qc
     const qcBoxTransform* transform = &bvh->points;
     const qcCorners* corners = bvh->triangles.corners + (size_t)cluster * qc_clusterSize;
     float lower[3][qc_boxLanes], upper[3][qc_boxLanes];
+    int16_t marks[qc_boxLanes]; // from the points, which are read in any case
     for (int at = 0; at < qc_boxLanes; at += qc_planeLanes)
     {
-        PlaneFloats p[3][3];
+        PlaneFloats p[3][4];
         for (int c = 0; c < 3; c++)
             LoadPlanePoints(bvh->triangles.points, corners + at, c, p[c]);
+        StoreShorts(p[0][3], marks + at);
         for (int axis = 0; axis < 3; axis++)
         {
             const float* row = transform->linear[axis];
@@ -71,53 +73,85 @@ static void TransformTriangles(const qcTransformedBvh* bvh, uint32_t cluster, qc
         EightFloats ends[2];
         memcpy(&ends[0], lower[axis], sizeof ends[0]);
         memcpy(&ends[1], upper[axis], sizeof ends[1]);
-        StoreEnds(ends[0], ends[1], &bvh->boxes.clusters[cluster], axis, transformed);
+        StoreEnds(ends[0], ends[1], marks, axis, transformed);
     }
 }
 
-/// Boxes of a cluster's triangles in the other lattice: in the cache, or in `own`.
-QC_INLINE const qcBox8* FindTransformed(const qcTransformedBvh* b, uint32_t cluster, const qcPlaneTest* planes,
-                                        qcBox8* own)
+/// The box around eight.
+QC_INLINE Shorts FindAround(const qcBox8* boxes)
 {
-    if (b->levels.isDiagonal)
+    Shorts column[8], row[qc_boxLanes];
+    for (int axis = 0; axis < 3; axis++)
     {
-        ScaleBoxes(&b->boxes.clusters[cluster], &b->levels, own);
-        return own;
+        memcpy(&column[axis], boxes->ends[axis], sizeof(Shorts));
+        memcpy(&column[axis + 4], boxes->ends[axis] + qc_boxLanes, sizeof(Shorts));
     }
+    column[3] = column[7] = column[0];
+    Transpose(column, row);
+    return FindLeast(row);
+}
+
+/// Boxes of a cluster's triangles in the other lattice, and the box around them.
+typedef struct TransformedCluster
+{
+    const qcBox8* boxes; ///< in the cache, or in `own`
+    const qcBoxRow* around;
+    qcBox8 own;
+    qcBoxRow ownAround;
+} TransformedCluster;
+
+QC_INLINE void TransformCluster(const qcTransformedBvh* b, uint32_t cluster, qcBox8* boxes, qcBoxRow* around)
+{
+    TransformTriangles(b, cluster, boxes);
+    Shorts least = FindAround(boxes);
+    memcpy(around, &least, sizeof *around);
+}
+
+QC_INLINE void FindTransformed(const qcTransformedBvh* b, uint32_t cluster, const qcPlaneTest* planes,
+                               TransformedCluster* transformed)
+{
     if (planes == NULL)
     {
-        TransformTriangles(b, cluster, own);
-        return own;
+        TransformCluster(b, cluster, &transformed->own, &transformed->ownAround);
+        transformed->boxes = &transformed->own;
+        transformed->around = &transformed->ownAround;
+        return;
     }
+    qcPlaneCache* cache = planes->cache;
     uint32_t entry = cluster % qc_planeCacheSize;
     uint64_t key = planes->key | cluster;
-    if (planes->cache->boxKeys[entry] != key)
-    {
-        planes->cache->boxKeys[entry] = key;
-        TransformTriangles(b, cluster, &planes->cache->boxes[entry]);
-    }
-    return &planes->cache->boxes[entry];
+    transformed->boxes = &cache->boxes[entry];
+    transformed->around = &cache->around[entry];
+    if (cache->boxKeys[entry] == key)
+        return;
+    cache->boxKeys[entry] = key;
+    TransformCluster(b, cluster, &cache->boxes[entry], &cache->around[entry]);
 }
 
 static qcSlotPair* CollectTransformedPairs(const qcBvhBoxes* a, uint32_t nodeA, const qcTransformedBvh* b,
-                                           uint32_t nodeB, const qcPlaneTest* planes, qcSlotPair* pairs)
+                                           uint32_t nodeB, uint64_t clusters, const qcPlaneTest* planes,
+                                           qcSlotPair* pairs)
 {
-    qcBox8 transformed;
+    TransformedCluster transformed = {.boxes = &transformed.own};
     ClusterPair found[qc_pairMaskWords + 1];
     uint32_t count = 0;
-    TransformBoxes(&b->boxes.nodes[nodeB], &b->levels, &transformed);
-    uint64_t clusters = FindBoxOverlaps(&a->nodes[nodeA], &transformed);
     for (uint32_t j = 0; j < qc_boxLanes; j++)
     {
-        uint32_t row = (uint32_t)(clusters >> qc_boxLanes * j) & 0xffu;
+        uint32_t row = (uint32_t)(clusters >> qc_boxLanes * j) & 0xffu, clusterB = nodeB * qc_boxLanes + j;
         if (row == 0)
             continue;
-        uint32_t clusterB = nodeB * qc_boxLanes + j;
-        const qcBox8* triangles = FindTransformed(b, clusterB, planes, &transformed);
+        if (b->levels.isDiagonal)
+            ScaleBoxes(&b->boxes.clusters[clusterB], &b->levels, &transformed.own);
+        else
+        {
+            FindTransformed(b, clusterB, planes, &transformed);
+            // The box that was transformed as a box is larger.
+            row &= FindRowOverlaps(&a->nodes[nodeA], transformed.around);
+        }
         for (; row != 0; row &= row - 1)
         {
             uint32_t clusterA = nodeA * qc_boxLanes + (uint32_t)__builtin_ctz(row);
-            uint64_t word = FindBoxOverlaps(&a->clusters[clusterA], triangles);
+            uint64_t word = FindBoxOverlaps(&a->clusters[clusterA], transformed.boxes);
             found[count] = (ClusterPair){word, clusterA, clusterB};
             count += word != 0;
         }

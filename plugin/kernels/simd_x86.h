@@ -72,6 +72,22 @@ static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
     return FindEndsOverlaps(&endsA, &endsB);
 }
 
+/// Bit i: box i overlaps the one of the row.
+static inline uint32_t FindRowOverlaps(const qcBox8* boxes, const qcBoxRow* row)
+{
+    __m256i disjoint = _mm256_setzero_si256();
+    for (int axis = 0; axis < 3; axis++)
+    {
+        // Lower ends are compared with the upper end of the row, and vice versa.
+        __m128i upper = _mm_set1_epi16((int16_t)~row->ends[axis + 4]),
+                lower = _mm_set1_epi16((int16_t)~row->ends[axis]);
+        __m256i ends = _mm256_loadu_si256((const __m256i*)boxes->ends[axis]);
+        disjoint = _mm256_or_si256(disjoint, _mm256_cmpgt_epi16(ends, _mm256_set_m128i(lower, upper)));
+    }
+    __m128i either = _mm_or_si128(_mm256_castsi256_si128(disjoint), _mm256_extracti128_si256(disjoint, 1));
+    return ~(uint32_t)_mm_movemask_epi8(_mm_packs_epi16(either, either)) & 0xffu;
+}
+
 /// The boxes around both ends.
 static inline uint64_t FindUnitedOverlaps(const qcBox8* const a[2], const qcBox8* const b[2])
 {
@@ -132,7 +148,8 @@ static inline __m256 LoadEnds(const int16_t* ends)
     return _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_loadu_si128((const __m128i*)ends)));
 }
 
-static inline void StoreEnds(__m256 lower, __m256 upper, const qcBox8* source, int axis, qcBox8* transformed)
+static inline void StoreEnds(__m256 lower, __m256 upper, const int16_t source[qc_boxLanes], int axis,
+                             qcBox8* transformed)
 {
     const __m256 first = _mm256_setzero_ps(), last = _mm256_set1_ps(65533.0f);
     // NaN gives the second operand.
@@ -143,7 +160,7 @@ static inline void StoreEnds(__m256 lower, __m256 upper, const qcBox8* source, i
             high = _mm256_sub_epi32(_mm256_set1_epi32(32767), _mm256_cvttps_epi32(upper));
     __m256i ends = _mm256_permute4x64_epi64(_mm256_packs_epi32(low, high), 0xd8);
     const __m256i none = _mm256_set1_epi16(qc_emptyEnd);
-    __m256i own = _mm256_broadcastsi128_si256(_mm_loadu_si128((const __m128i*)source->ends[0]));
+    __m256i own = _mm256_broadcastsi128_si256(_mm_loadu_si128((const __m128i*)source));
     ends = _mm256_blendv_epi8(ends, none, _mm256_cmpeq_epi16(own, none));
     _mm256_storeu_si256((__m256i*)transformed->ends[axis], ends);
 }
@@ -156,6 +173,13 @@ enum
 };
 
 typedef __m256 PlaneFloats;
+
+static inline void StoreShorts(__m256 whole, int16_t* shorts)
+{
+    __m256i ints = _mm256_cvttps_epi32(whole);
+    _mm_storeu_si128((__m128i*)shorts,
+                     _mm_packs_epi32(_mm256_castsi256_si128(ints), _mm256_extracti128_si256(ints, 1)));
+}
 
 static inline __m256 MinPlane(__m256 a, __m256 b)
 {
@@ -175,7 +199,7 @@ static inline uint32_t FindApart(const __m256 x[3], __m256 lower, __m256 upper)
 }
 
 /// The points of triangles i and 4 + i side by side, then columns to vectors.
-static inline void LoadPlanePoints(const qcPoint* points, const qcCorners* corners, int c, __m256 out[3])
+static inline void LoadPlanePoints(const qcPoint* points, const qcCorners* corners, int c, __m256 out[4])
 {
     __m256 row[4];
     for (int i = 0; i < 4; i++)
@@ -186,6 +210,7 @@ static inline void LoadPlanePoints(const qcPoint* points, const qcCorners* corne
     out[0] = _mm256_shuffle_ps(xy01, xy23, 0x44);
     out[1] = _mm256_shuffle_ps(xy01, xy23, 0xee);
     out[2] = _mm256_shuffle_ps(z01, z23, 0x44);
+    out[3] = _mm256_shuffle_ps(z01, z23, 0xee);
 }
 
 #endif

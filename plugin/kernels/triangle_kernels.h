@@ -35,7 +35,7 @@ typedef struct qcBoxRow
 /// A vertex in the frame of its BVH.
 typedef struct qcPoint
 {
-    float x[4]; ///< the last is 0
+    float x[4]; ///< the last is 0; qc_emptyEnd in the point of slots without a triangle
 } qcPoint;
 
 /// From world positions to the frame and the lattice of a BVH.
@@ -100,7 +100,7 @@ typedef struct qcClusterPlanes
 
 enum
 {
-    // 115 KB a side, and 24 KB of boxes: a pair of nodes finds the clusters of the pairs before it.
+    // 115 KB a side, and 28 KB of boxes: a pair of nodes finds the clusters of the pairs before it.
     qc_planeCacheSize = 256,
     qc_maxCollected = qc_nodeSize * qc_nodeSize + qc_boxLanes ///< the last are written, but not used
 };
@@ -113,6 +113,7 @@ typedef struct qcPlaneCache
     uint64_t boxKeys[qc_planeCacheSize]; ///< likewise, of the second side
     qcClusterPlanes planes[2][qc_planeCacheSize];
     qcBox8 boxes[qc_planeCacheSize];
+    qcBoxRow around[qc_planeCacheSize]; ///< around each eight of them
 } qcPlaneCache;
 
 /// The triangles of two BVHs whose planes are tested.
@@ -217,9 +218,11 @@ typedef struct qcTriangleKernels
     /// Boxes of a cluster's triangles in another lattice, from their corners, rounded outward: tighter than those of
     /// transformBoxes.
     void (*transformTriangles)(const qcTransformedBvh* bvh, uint32_t cluster, qcBox8* transformed);
-    /// Like collectPairs, for two BVHs.
+    /// Like collectPairs, for two BVHs. `clusters`: the pairs of the nodes' clusters whose boxes overlap, as
+    /// findOverlaps gives them.
     qcSlotPair* (*collectTransformedPairs)(const qcBvhBoxes* a, uint32_t nodeA, const qcTransformedBvh* b,
-                                           uint32_t nodeB, const qcPlaneTest* planes, qcSlotPair* pairs);
+                                           uint32_t nodeB, uint64_t clusters, const qcPlaneTest* planes,
+                                           qcSlotPair* pairs);
 
     //  Pairs of triangles.
 

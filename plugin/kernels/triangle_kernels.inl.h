@@ -1,11 +1,11 @@
 // The kernels, written once for all instruction sets: boxes here, the rest in the headers that this one includes. The
 // source of an instruction set defines before it includes this header: QC_LANES (floats in a vector), Shorts (eight
 // int16_t), MinShorts, MinFloats, MaxFloats, SquareRoot, Transpose (eight rows to eight columns), TransformVertex (one
-// vertex), FindBoxOverlaps and FindMotionBoxOverlaps (see findOverlaps and findMotionOverlaps), EightFloats,
-// LoadEnds (eight ends to floats), StoreEnds (clamped ends of eight boxes along an axis; NaN is unbounded, and boxes
-// that are empty in `source` stay empty), and what kernels/cluster_planes.inl.h needs; and after it: LoadPoints
-// (QC_LANES points to three vectors) and SignBits (a bit for each lane that is true). LaneMask is the instruction set's
-// own form of comparisons, with AllLanes, IsAbove and LaneBits.
+// vertex), FindBoxOverlaps, FindRowOverlaps (with one box), FindMotionBoxOverlaps (see findMotionOverlaps),
+// EightFloats, LoadEnds (eight ends to floats), StoreEnds (clamped ends of eight boxes along an axis; NaN is unbounded,
+// and boxes that are empty in `source` stay empty), and what kernels/cluster_planes.inl.h needs; and after it:
+// LoadPoints (QC_LANES points to three vectors) and SignBits (a bit for each lane that is true). LaneMask is the
+// instruction set's own form of comparisons, with AllLanes, IsAbove and LaneBits.
 #ifndef QC_KERNELS_TRIANGLE_KERNELS_INL_H
 #define QC_KERNELS_TRIANGLE_KERNELS_INL_H
 
@@ -43,6 +43,13 @@ static void TransformVertices(const qcLatticeTransform* lattice, const qcVertexR
         TransformRange(lattice, range, false, points, rows);
 }
 
+/// The row around eight.
+QC_INLINE Shorts FindLeast(const Shorts row[qc_boxLanes])
+{
+    return MinShorts(MinShorts(MinShorts(row[0], row[1]), MinShorts(row[2], row[3])),
+                     MinShorts(MinShorts(row[4], row[5]), MinShorts(row[6], row[7])));
+}
+
 /// Stores eight rows side by side; returns the row around them.
 QC_INLINE Shorts StoreBox8(const Shorts row[qc_boxLanes], qcBox8* box8)
 {
@@ -53,8 +60,7 @@ QC_INLINE Shorts StoreBox8(const Shorts row[qc_boxLanes], qcBox8* box8)
         memcpy(box8->ends[axis], &column[axis], sizeof(Shorts));
         memcpy(box8->ends[axis] + qc_boxLanes, &column[axis + 4], sizeof(Shorts));
     }
-    return MinShorts(MinShorts(MinShorts(row[0], row[1]), MinShorts(row[2], row[3])),
-                     MinShorts(MinShorts(row[4], row[5]), MinShorts(row[6], row[7])));
+    return FindLeast(row);
 }
 
 QC_INLINE Shorts LoadRow(const qcBoxRow* row)

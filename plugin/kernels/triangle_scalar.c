@@ -102,6 +102,20 @@ static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
     return overlaps;
 }
 
+/// Bit i: box i overlaps the one of the row.
+static inline uint32_t FindRowOverlaps(const qcBox8* boxes, const qcBoxRow* row)
+{
+    Shorts disjoint = {0};
+    for (int axis = 0; axis < 3; axis++)
+    {
+        Shorts lower, upper;
+        __builtin_memcpy(&lower, boxes->ends[axis], sizeof lower);
+        __builtin_memcpy(&upper, boxes->ends[axis] + qc_boxLanes, sizeof upper);
+        disjoint |= (lower > (int16_t)~row->ends[axis + 4]) | (upper > (int16_t)~row->ends[axis]);
+    }
+    return ToBits(~disjoint);
+}
+
 /// The boxes around both ends.
 static inline uint64_t FindUnitedOverlaps(const qcBox8* const a[2], const qcBox8* const b[2])
 {
@@ -157,7 +171,8 @@ static inline EightFloats SelectEight(EightInts mask, EightFloats yes, EightFloa
     return (EightFloats)((mask & (EightInts)yes) | (~mask & (EightInts)no));
 }
 
-static inline void StoreEnds(EightFloats lower, EightFloats upper, const qcBox8* source, int axis, qcBox8* transformed)
+static inline void StoreEnds(EightFloats lower, EightFloats upper, const int16_t source[qc_boxLanes], int axis,
+                             qcBox8* transformed)
 {
     const EightFloats zero = {0}, largest = zero + 65533.0f;
     lower = SelectEight(lower > zero, lower, zero);
@@ -167,7 +182,7 @@ static inline void StoreEnds(EightFloats lower, EightFloats upper, const qcBox8*
     EightInts ends[2] = {__builtin_convertvector(lower, EightInts) - 32768,
                          32767 - __builtin_convertvector(upper, EightInts)};
     Shorts first, empty;
-    __builtin_memcpy(&first, source->ends[0], sizeof first);
+    __builtin_memcpy(&first, source, sizeof first);
     empty = first == qc_emptyEnd;
     for (size_t k = 0; k < 2; k++)
     {
@@ -207,12 +222,18 @@ static inline uint32_t FindApart(const PlaneFloats x[3], PlaneFloats lower, Plan
                       ((x[0] < lower) & (x[1] < lower) & (x[2] < lower)));
 }
 
-static inline void LoadPlanePoints(const qcPoint* points, const qcCorners* corners, int corner, PlaneFloats out[3])
+static inline void StoreShorts(PlaneFloats whole, int16_t* shorts)
+{
+    for (int i = 0; i < qc_planeLanes; i++)
+        shorts[i] = (int16_t)whole[i];
+}
+
+static inline void LoadPlanePoints(const qcPoint* points, const qcCorners* corners, int corner, PlaneFloats out[4])
 {
     const float *a = points[corners[0].vertex[corner]].x, *b = points[corners[1].vertex[corner]].x,
                 *c = points[corners[2].vertex[corner]].x, *d = points[corners[3].vertex[corner]].x;
-    for (int axis = 0; axis < 3; axis++)
-        out[axis] = (PlaneFloats){a[axis], b[axis], c[axis], d[axis]};
+    for (int k = 0; k < 4; k++)
+        out[k] = (PlaneFloats){a[k], b[k], c[k], d[k]};
 }
 
 static inline qcSlotPair* AddRow(uint32_t row, uint32_t first, uint32_t other, qcSlotPair* pairs)

@@ -55,7 +55,10 @@ static void Collect(Search* s, const qcTriangleKernels* k, const qcDistanceThres
                               .thresholds = thresholds,
                               .key = s->key,
                               .cache = &s->cache};
-    qcSlotPair* end = thresholds->isTransformed ? k->collectTransformedPairs(&boxes, 0, &b, 0, &test, pairs)
+    qcBox8 transformed;
+    k->transformBoxes(boxes.nodes, &b.levels, &transformed);
+    uint64_t clusters = k->findOverlaps(boxes.nodes, &transformed);
+    qcSlotPair* end = thresholds->isTransformed ? k->collectTransformedPairs(&boxes, 0, &b, 0, clusters, &test, pairs)
                                                 : k->collectPairs(&boxes, 0, &boxes, 0, NULL, NULL, 0, &test, pairs);
     memset(found, 0, qc_side * qc_side);
     for (const qcSlotPair* pair = pairs; pair < end; pair++)

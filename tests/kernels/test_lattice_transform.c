@@ -145,7 +145,7 @@ enum
 typedef struct Other
 {
     Nodes nodes;
-    qcPoint points[qc_pointsInTest];
+    qcPoint points[qc_pointsInTest + 1]; ///< the last is that of slots without a triangle
     qcCorners corners[qc_clustersInTest * qc_clusterSize];
     qcTransformedBvh transformed;
 } Other;
@@ -156,9 +156,13 @@ static void MakeOther(qcRandom* random, int spread, Other* other)
     for (int i = 0; i < qc_pointsInTest; i++)
         for (int axis = 0; axis < 4; axis++)
             other->points[i].x[axis] = axis < 3 ? (float)qcRandom_Uniform(random, 0.0, 1.0) : 0.0f;
+    other->points[qc_pointsInTest] = (qcPoint){{0.0f, 0.0f, 0.0f, (float)qc_emptyEnd}};
     for (int i = 0; i < qc_clustersInTest * qc_clusterSize; i++)
+    {
+        bool isEmpty = other->nodes.clusters[i / qc_clusterSize].ends[0][i % qc_clusterSize] == qc_emptyEnd;
         for (int c = 0; c < 3; c++)
-            other->corners[i].vertex[c] = qcRandom_Below(random, qc_pointsInTest);
+            other->corners[i].vertex[c] = isEmpty ? qc_pointsInTest : qcRandom_Below(random, qc_pointsInTest);
+    }
     other->transformed = (qcTransformedBvh){.boxes = {other->nodes.clusters, other->nodes.nodes},
                                             .triangles = {other->corners, other->points}};
 }
@@ -266,6 +270,30 @@ END_TEST
 
 //  ---- pairs of two nodes --------------------------------------------------------------------------
 
+/// The box around eight; empty ones are left out.
+static Box FindAround(const qcBox8* boxes)
+{
+    Box around = EmptyBox();
+    for (int i = 0; i < qc_boxLanes; i++)
+    {
+        Box box = BoxAt(boxes, i);
+        for (int axis = 0; axis < 3; axis++)
+        {
+            around.lower[axis] = box.lower[axis] < around.lower[axis] ? box.lower[axis] : around.lower[axis];
+            around.upper[axis] = box.upper[axis] > around.upper[axis] ? box.upper[axis] : around.upper[axis];
+        }
+    }
+    return around;
+}
+
+static uint64_t FindClusters(const qcTriangleKernels* k, const Nodes* a, uint32_t nodeA, const Other* b, uint32_t nodeB)
+{
+    qcBox8 node;
+    k->transformBoxes(&b->nodes.nodes[nodeB], &b->transformed.levels, &node);
+    return k->findOverlaps(&a->nodes[nodeA], &node);
+}
+
+/// Clusters of both nodes meet as boxes, and that of a meets the triangles of that of b.
 static size_t CollectOneByOne(const qcTriangleKernels* k, const Nodes* a, uint32_t nodeA, const Other* b,
                               uint32_t nodeB, qcSlotPair* pairs)
 {
@@ -277,6 +305,7 @@ static size_t CollectOneByOne(const qcTriangleKernels* k, const Nodes* a, uint32
     for (uint32_t p = 0; p < qc_nodeSize; p++)
         for (uint32_t q = 0; q < qc_nodeSize; q++)
             if (Overlap(BoxAt(&a->nodes[nodeA], (int)p / 8), BoxAt(&node, (int)q / 8)) &&
+                Overlap(BoxAt(&a->nodes[nodeA], (int)p / 8), FindAround(&clusters[q / 8])) &&
                 Overlap(BoxAt(&a->clusters[nodeA * 8 + p / 8], (int)p % 8), BoxAt(&clusters[q / 8], (int)q % 8)))
                 pairs[count++] = (qcSlotPair){nodeA * qc_nodeSize + p, nodeB * qc_nodeSize + q};
     return count;
@@ -305,7 +334,9 @@ START_TEST(collected_pairs_of_two_lattices_are_those_whose_transformed_boxes_ove
         }
         uint32_t nodeA = qcRandom_Below(&random, qc_nodesInTest), nodeB = qcRandom_Below(&random, qc_nodesInTest);
         qcBvhBoxes sideA = {a.clusters, a.nodes};
-        size_t count = (size_t)(k->collectTransformedPairs(&sideA, nodeA, &b.transformed, nodeB, NULL, found) - found);
+        uint64_t clusters = FindClusters(k, &a, nodeA, &b, nodeB);
+        size_t count =
+            (size_t)(k->collectTransformedPairs(&sideA, nodeA, &b.transformed, nodeB, clusters, NULL, found) - found);
         size_t expectedCount = CollectOneByOne(k, &a, nodeA, &b, nodeB, expected);
         CheckSamePairs(found, count, expected, expectedCount, k->name);
         pairs += count;

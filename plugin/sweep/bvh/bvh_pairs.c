@@ -60,6 +60,8 @@ typedef struct Queue
     const Search* search;
     qcSlotPair *pairs, *end;
     qcPlaneCache* planes;
+    qcBox8 transformed;      ///< the boxes of a leaf node's clusters in the lattice of the other BVH
+    uint64_t transformedKey; ///< its search and its number; UINT64_MAX: none
     uint32_t worker;
     bool isOpen; ///< false: the job's function has stopped the search
 } Queue;
@@ -141,6 +143,18 @@ static bool FindRules(const Search* s, uint32_t a, uint32_t b, Rules* rules)
     return true;
 }
 
+/// The overlapping clusters of two leaf nodes of two bodies. Consecutive pairs mostly share the second node.
+static uint64_t FindClusterOverlaps(Queue* queue, NodePair nodes)
+{
+    const Search* s = queue->search;
+    uint64_t key = (uint64_t)nodes.search << 32 | nodes.b;
+    if (queue->transformedKey != key)
+        s->job->kernels->transformBoxes(&s->transformed.boxes.nodes[nodes.b], &s->transformed.levels,
+                                        &queue->transformed);
+    queue->transformedKey = key;
+    return s->job->kernels->findOverlaps(&BoxesOf(s->a, &s->a->fit).nodes[nodes.a], &queue->transformed);
+}
+
 static void CompareLeafNodes(Queue* queue, NodePair nodes)
 {
     uint32_t number = nodes.search, a = nodes.a, b = nodes.b;
@@ -172,7 +186,10 @@ static void CompareLeafNodes(Queue* queue, NodePair nodes)
     const qcPlaneTest* planes = s->filters ? &test : NULL;
     if (!s->same)
     {
-        queue->end = job->kernels->collectTransformedPairs(&boxesA, a, &s->transformed, b, planes, queue->end);
+        uint64_t clusters = FindClusterOverlaps(queue, nodes);
+        if (clusters != 0)
+            queue->end =
+                job->kernels->collectTransformedPairs(&boxesA, a, &s->transformed, b, clusters, planes, queue->end);
         return;
     }
     queue->end = job->kernels->collectPairs(&boxesA, a, &boxesA, b, rules.pairMasks, rules.exclusions,
@@ -534,7 +551,7 @@ static void SearchTask(void* context, size_t task, uint32_t worker)
 {
     const Run* run = context;
     const qcArray* nodePairs = &run->memory->nodePairs;
-    Queue queue = {.worker = worker, .isOpen = true};
+    Queue queue = {.transformedKey = UINT64_MAX, .worker = worker, .isOpen = true};
     queue.planes = &QC_AT(qcPlaneCache, run->memory->planes, worker);
     memset(queue.planes->keys, 0xff, sizeof queue.planes->keys);
     memset(queue.planes->boxKeys, 0xff, sizeof queue.planes->boxKeys);

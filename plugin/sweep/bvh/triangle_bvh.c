@@ -42,7 +42,7 @@ static qcStatus AllocateFit(const qcTriangleBvh* bvh, qcBvhFit* fit)
 {
     QC_TRY(qcArray_Resize(&fit->boxes, bvh->totalBox8Count, sizeof(qcBox8), "boxes of a BVH"));
     QC_TRY(qcArray_Resize(&fit->points, (size_t)bvh->vertexCount + 1, sizeof(qcPoint), "points of a BVH"));
-    QC_AT(qcPoint, fit->points, bvh->vertexCount) = (qcPoint){{0}};
+    QC_AT(qcPoint, fit->points, bvh->vertexCount) = (qcPoint){{0.0f, 0.0f, 0.0f, (float)qc_emptyEnd}};
     return qc_statusOk;
 }
 

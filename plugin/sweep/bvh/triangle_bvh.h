@@ -17,7 +17,7 @@ enum
 /// The geometry of a BVH at one set of positions.
 typedef struct qcBvhFit
 {
-    qcArray points; ///< of qcPoint by vertex; one more, at 0
+    qcArray points; ///< of qcPoint by vertex; one more, at 0, for slots without a triangle
     qcArray boxes;  ///< of qcBox8: triangles of clusters, clusters of leaf nodes, and so on
     qcBox8 root;    ///< one box around all
     bool fitted;
