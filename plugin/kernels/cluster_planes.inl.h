@@ -1,17 +1,15 @@
-// The planes of the triangles of two clusters against each other's triangles, eight at a time and without a gather:
-// corners side by side are cached by cluster. Planes separate most pairs whose boxes overlap. Proof:
+// The planes of two clusters' triangles against each other's, several pairs at a time: corners side by side are cached
+// by cluster, and lanes picked from them. Planes separate most pairs whose boxes overlap. Proof:
 // plugin/docs/proofs/cluster_planes.md.
-//
-// The source of an instruction set defines before: PlaneFloats (qc_planeLanes of them, 4 or 8), LoadPlanePoints (a
-// corner of each of qc_planeLanes triangles to three vectors), FindApart (a bit for each lane whose three products are
-// all above the upper end or all below the lower one), MinPlane and MaxPlane, and AddRow (the pairs of up to eight
-// triangles with one; may write eight pairs).
+// The source of an instruction set defines before: PlaneFloats and PlaneInts (qc_planeLanes of them, 4 or 8),
+// LoadPlanePoints (a corner of each of qc_planeLanes triangles to four vectors), FindApart (a bit for each lane whose
+// three products are above the upper end or below the lower one), MinPlane, MaxPlane, PickLanes (of eight floats),
+// StoreShorts, LoadNumbers (bytes to lanes), and AddListed (the listed pairs whose bits are set, as i + 8 j from the
+// first on; may write qc_planeLanes pairs).
 #ifndef QC_KERNELS_CLUSTER_PLANES_INL_H
 #define QC_KERNELS_CLUSTER_PLANES_INL_H
 
 #include "kernels/triangle_kernels.h"
-
-typedef int32_t PlaneInts __attribute__((vector_size(4 * qc_planeLanes)));
 
 typedef struct PlaneVectors
 {
@@ -103,30 +101,21 @@ static const qcClusterPlanes* FindPlanes(const qcPlaneTest* test, int side, uint
     return &test->cache->planes[side][entry];
 }
 
-QC_INLINE PlaneFloats Broadcast(float x)
+/// A bit for each of qc_planeLanes pairs, triangles i of a and j of b, that neither triangle's plane separates.
+QC_INLINE uint32_t FindUnseparated(const qcClusterPlanes* a, const qcClusterPlanes* b, PlaneInts i, PlaneInts j)
 {
-    return x - (PlaneFloats){0};
-}
-
-/// A bit for each triangle of a that neither its plane nor that of triangle j of b separates from triangle j.
-QC_INLINE uint32_t FindUnseparated(const qcClusterPlanes* a, const qcClusterPlanes* b, uint32_t j)
-{
-    PlaneFloats x[3], n[3] = {Broadcast(b->normal[0][j]), Broadcast(b->normal[1][j]), Broadcast(b->normal[2][j])};
-    PlaneFloats lower = Broadcast(b->lower[j]), upper = Broadcast(b->upper[j]);
-    uint32_t apart = 0;
-    for (int at = 0; at < qc_boxLanes; at += qc_planeLanes)
+    PlaneFloats x[3], y[3];
+    PlaneVectors n = {PickLanes(b->normal[0], j), PickLanes(b->normal[1], j), PickLanes(b->normal[2], j)};
+    PlaneVectors m = {PickLanes(a->normal[0], i), PickLanes(a->normal[1], i), PickLanes(a->normal[2], i)};
+    for (int c = 0; c < 3; c++)
     {
-        for (int c = 0; c < 3; c++)
-            x[c] = n[0] * LoadLanes(a->corner[c][0] + at) + n[1] * LoadLanes(a->corner[c][1] + at) +
-                   n[2] * LoadLanes(a->corner[c][2] + at);
-        apart |= FindApart(x, lower, upper) << at;
-        for (int c = 0; c < 3; c++)
-            x[c] = LoadLanes(a->normal[0] + at) * Broadcast(b->corner[c][0][j]) +
-                   LoadLanes(a->normal[1] + at) * Broadcast(b->corner[c][1][j]) +
-                   LoadLanes(a->normal[2] + at) * Broadcast(b->corner[c][2][j]);
-        apart |= FindApart(x, LoadLanes(a->lower + at), LoadLanes(a->upper + at)) << at;
+        PlaneVectors p = {PickLanes(a->corner[c][0], i), PickLanes(a->corner[c][1], i), PickLanes(a->corner[c][2], i)};
+        PlaneVectors q = {PickLanes(b->corner[c][0], j), PickLanes(b->corner[c][1], j), PickLanes(b->corner[c][2], j)};
+        x[c] = DotPlanes(n, p);
+        y[c] = DotPlanes(m, q);
     }
-    return ~apart;
+    return ~(FindApart(x, PickLanes(b->lower, j), PickLanes(b->upper, j)) |
+             FindApart(y, PickLanes(a->lower, i), PickLanes(a->upper, i)));
 }
 
 /// Pairs of triangles of two clusters: bit i + 8 j.
@@ -136,34 +125,40 @@ typedef struct ClusterPair
     uint32_t a, b;
 } ClusterPair;
 
+/// Removes the lowest bits, qc_planeLanes of them if there are so many, and lists their numbers. Returns a bit for
+/// each.
+QC_INLINE uint32_t ListPairs(uint64_t* pairs, uint8_t listed[qc_planeLanes])
+{
+    uint32_t used = (uint32_t)__builtin_popcountll(*pairs);
+    // No branch: how many there are follows no pattern.
+    for (int lane = 0; lane < qc_planeLanes; lane++)
+    {
+        listed[lane] = (uint8_t)__builtin_ctzll(*pairs | UINT64_C(1) << 63);
+        *pairs &= *pairs - 1;
+    }
+    return used < qc_planeLanes ? (1u << used) - 1 : (1u << qc_planeLanes) - 1;
+}
+
 /// Adds the pairs of triangles that neither's plane separates. There is a pair of clusters at least. The clusters are
 /// those of one leaf node of each side: no two of a side share a cache entry.
 static qcSlotPair* AddUnseparatedPairs(const qcPlaneTest* test, const ClusterPair* clusters, uint32_t count,
                                        qcSlotPair* pairs)
 {
-    const qcClusterPlanes* planes[2][qc_pairMaskWords];
-    uint16_t rows[qc_pairMaskWords * qc_boxLanes + 1];
-    uint32_t rowCount = 0;
     // Within one BVH both sides share entries, unless those of the two nodes are the same.
     uint32_t apart = (clusters[0].a ^ clusters[0].b) / qc_boxLanes;
     int sideB = test->isOne && (apart == 0 || apart % (qc_planeCacheSize / qc_boxLanes) != 0) ? 0 : 1;
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t k = 0; k < count; k++)
     {
-        planes[0][i] = FindPlanes(test, 0, clusters[i].a);
-        planes[1][i] = FindPlanes(test, sideB, clusters[i].b);
-        // No branch here and below: which triangles have pairs follows no pattern.
-        for (uint32_t j = 0; j < qc_boxLanes; j++)
+        const qcClusterPlanes *a = FindPlanes(test, 0, clusters[k].a), *b = FindPlanes(test, sideB, clusters[k].b);
+        const qcSlotPair first = {clusters[k].a * qc_clusterSize, clusters[k].b * qc_clusterSize};
+        for (uint64_t left = clusters[k].pairs; left != 0;)
         {
-            rows[rowCount] = (uint16_t)(i * qc_boxLanes + j);
-            rowCount += (clusters[i].pairs >> qc_boxLanes * j & 0xffu) != 0;
+            uint8_t listed[qc_planeLanes];
+            uint32_t used = ListPairs(&left, listed);
+            PlaneInts at = LoadNumbers(listed);
+            pairs = AddListed(used & FindUnseparated(a, b, at & (qc_clusterSize - 1), at / qc_clusterSize), listed,
+                              first, pairs);
         }
-    }
-    for (uint32_t k = 0; k < rowCount; k++)
-    {
-        uint32_t i = rows[k] / qc_boxLanes, j = rows[k] % qc_boxLanes;
-        uint32_t row = (uint32_t)(clusters[i].pairs >> qc_boxLanes * j) & 0xffu;
-        row &= FindUnseparated(planes[0][i], planes[1][i], j);
-        pairs = AddRow(row, clusters[i].a * qc_clusterSize, clusters[i].b * qc_clusterSize + j, pairs);
     }
     return pairs;
 }

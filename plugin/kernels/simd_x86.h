@@ -173,6 +173,17 @@ enum
 };
 
 typedef __m256 PlaneFloats;
+typedef int32_t PlaneInts __attribute__((vector_size(32)));
+
+static inline __m256 PickLanes(const float lanes[8], PlaneInts at)
+{
+    return _mm256_permutevar8x32_ps(_mm256_loadu_ps(lanes), (__m256i)at);
+}
+
+static inline PlaneInts LoadNumbers(const uint8_t bytes[8])
+{
+    return (PlaneInts)_mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)bytes));
+}
 
 static inline void StoreShorts(__m256 whole, int16_t* shorts)
 {

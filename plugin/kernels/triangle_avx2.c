@@ -40,19 +40,36 @@ static inline __m256 MaxFloats(__m256 a, __m256 b)
     return _mm256_max_ps(a, b);
 }
 
-/// By a row's lower and upper half: the lanes whose bits are set, in order.
-static const uint8_t s_lanes[16][4] = {{0}, {0},    {1},    {0, 1},    {2},    {0, 2},    {1, 2},    {0, 1, 2},
-                                       {3}, {0, 3}, {1, 3}, {0, 1, 3}, {2, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
+/// By four bits: the halves of the 64-bit lanes whose bits are set, in order.
+static const uint8_t s_lanes[16][8] = {{0},
+                                       {0, 1},
+                                       {2, 3},
+                                       {0, 1, 2, 3},
+                                       {4, 5},
+                                       {0, 1, 4, 5},
+                                       {2, 3, 4, 5},
+                                       {0, 1, 2, 3, 4, 5},
+                                       {6, 7},
+                                       {0, 1, 6, 7},
+                                       {2, 3, 6, 7},
+                                       {0, 1, 2, 3, 6, 7},
+                                       {4, 5, 6, 7},
+                                       {0, 1, 4, 5, 6, 7},
+                                       {2, 3, 4, 5, 6, 7},
+                                       {0, 1, 2, 3, 4, 5, 6, 7}};
 
-static inline qcSlotPair* AddRow(uint32_t row, uint32_t first, uint32_t other, qcSlotPair* pairs)
+static inline qcSlotPair* AddListed(uint32_t kept, const uint8_t listed[8], qcSlotPair first, qcSlotPair* pairs)
 {
+    const __m256i origin = _mm256_set1_epi64x((int64_t)((uint64_t)first.b << 32 | first.a));
     for (uint32_t half = 0; half < 2; half++)
     {
-        uint32_t bits = row >> 4 * half & 0xfu, lanes;
-        memcpy(&lanes, s_lanes[bits], sizeof lanes);
-        __m256i all = _mm256_set1_epi64x((int64_t)((uint64_t)other << 32 | (first + 4 * half)));
-        _mm256_storeu_si256((__m256i*)pairs,
-                            _mm256_add_epi64(all, _mm256_cvtepu8_epi64(_mm_cvtsi32_si128((int)lanes))));
+        uint32_t bits = kept >> 4 * half & 0xfu, four;
+        memcpy(&four, listed + 4 * half, sizeof four);
+        __m256i at = _mm256_cvtepu8_epi64(_mm_cvtsi32_si128((int)four));
+        __m256i i = _mm256_and_si256(at, _mm256_set1_epi64x(7)), j = _mm256_slli_epi64(_mm256_srli_epi64(at, 3), 32);
+        __m256i all = _mm256_add_epi64(origin, _mm256_or_si256(i, j));
+        __m256i lanes = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)s_lanes[bits]));
+        _mm256_storeu_si256((__m256i*)pairs, _mm256_permutevar8x32_epi32(all, lanes));
         pairs += __builtin_popcount(bits);
     }
     return pairs;

@@ -38,12 +38,14 @@ static inline __m512 MaxFloats(__m512 a, __m512 b)
     return _mm512_max_ps(a, b);
 }
 
-static inline qcSlotPair* AddRow(uint32_t row, uint32_t first, uint32_t other, qcSlotPair* pairs)
+static inline qcSlotPair* AddListed(uint32_t kept, const uint8_t listed[8], qcSlotPair first, qcSlotPair* pairs)
 {
-    __m512i all = _mm512_add_epi64(_mm512_set1_epi64((int64_t)((uint64_t)other << 32 | first)),
-                                   _mm512_set_epi64(7, 6, 5, 4, 3, 2, 1, 0));
-    _mm512_storeu_si512(pairs, _mm512_maskz_compress_epi64((__mmask8)row, all));
-    return pairs + __builtin_popcount(row);
+    __m512i at = _mm512_cvtepu8_epi64(_mm_loadl_epi64((const __m128i*)listed));
+    __m512i i = _mm512_and_si512(at, _mm512_set1_epi64(7)), j = _mm512_slli_epi64(_mm512_srli_epi64(at, 3), 32);
+    __m512i all =
+        _mm512_add_epi64(_mm512_set1_epi64((int64_t)((uint64_t)first.b << 32 | first.a)), _mm512_or_si512(i, j));
+    _mm512_storeu_si512(pairs, _mm512_maskz_compress_epi64((__mmask8)kept, all));
+    return pairs + __builtin_popcount(kept);
 }
 
 /// An axis separates a motion if it separates in the same order at both ends.

@@ -200,6 +200,7 @@ enum
 };
 
 typedef FourFloats PlaneFloats;
+typedef FourInts PlaneInts;
 
 static inline PlaneFloats MinPlane(PlaneFloats a, PlaneFloats b)
 {
@@ -236,10 +237,23 @@ static inline void LoadPlanePoints(const qcPoint* points, const qcCorners* corne
         out[k] = (PlaneFloats){a[k], b[k], c[k], d[k]};
 }
 
-static inline qcSlotPair* AddRow(uint32_t row, uint32_t first, uint32_t other, qcSlotPair* pairs)
+static inline PlaneFloats PickLanes(const float lanes[8], PlaneInts at)
 {
-    for (; row != 0; row &= row - 1)
-        *pairs++ = (qcSlotPair){first + (uint32_t)__builtin_ctz(row), other};
+    return (PlaneFloats){lanes[at[0]], lanes[at[1]], lanes[at[2]], lanes[at[3]]};
+}
+
+static inline PlaneInts LoadNumbers(const uint8_t bytes[4])
+{
+    return (PlaneInts){bytes[0], bytes[1], bytes[2], bytes[3]};
+}
+
+static inline qcSlotPair* AddListed(uint32_t kept, const uint8_t listed[4], qcSlotPair first, qcSlotPair* pairs)
+{
+    for (; kept != 0; kept &= kept - 1)
+    {
+        uint32_t at = listed[__builtin_ctz(kept)];
+        *pairs++ = (qcSlotPair){first.a + at % 8, first.b + at / 8};
+    }
     return pairs;
 }
 
