@@ -627,6 +627,16 @@ QC_API qcStatus qcScene_Detect(qcScene* scene, const qcDetectDef* def, const qcR
 ///     ...                                             // positions may be changed: they were copied
 ///     qcScene_DetectEnd(scene, &result);
 ///
+/// With one step of latency, a detection runs beside all work of the caller's step. Each result is then that of the
+/// previous input, which suits displays, sounds and statistics. It can't keep surfaces apart: contacts come a step
+/// after the positions that they belong to.
+///
+///     if (step != 0)
+///         qcScene_DetectEnd(scene, &result);          // pairs of the previous input; used here
+///     qcScene_SetVertices(scene, id, positions, ...); // from here on the result is no longer valid
+///     qcScene_DetectBegin(scene, &def);
+///     ...                                             // the rest of the step, up to the next positions
+///
 /// - The input is what the scene holds when this function is called. `def` and all arrays given to the scene before
 ///   have been copied; the caller may change or free them.
 /// - The previous result is no longer valid.

@@ -130,6 +130,42 @@ START_TEST(a_step_in_the_background_has_the_result_of_detect_on_every_device)
 }
 END_TEST
 
+/// Each step is ended in the next one, before the new input: one step of latency. Begun and direct steps of the same
+/// input are compared.
+static void CompareLate(qcDevice* device, qcMethod method, uint32_t threads)
+{
+    World direct = MakeWorld(device, 14), late = MakeWorld(device, 14);
+    qcDetectDef def = DefOf(method, threads);
+    const qcResult *expected = NULL, *found = NULL;
+    for (int step = 0; step < 6; step++)
+    {
+        if (step != 0)
+        {
+            CHECK_OK(qcScene_DetectEnd(late.scene, &found));
+            CheckEqual(expected, found, qcMethod_Name(method));
+        }
+        Move(&late);
+        CHECK_OK(qcScene_DetectBegin(late.scene, &def));
+        Move(&direct);
+        CHECK_OK(qcScene_Detect(direct.scene, &def, &expected));
+    }
+    CHECK_OK(qcScene_DetectEnd(late.scene, &found));
+    CheckEqual(expected, found, "the last step");
+    EndWorld(&direct);
+    EndWorld(&late);
+}
+
+START_TEST(a_step_ended_in_the_next_one_gives_the_result_of_the_previous_input)
+{
+    for (int method = qc_methodAuto; method <= qc_methodLayers; method++)
+        CompareLate(NULL, (qcMethod)method, 2);
+    QC_FOR_EACH_DEVICE(device)
+    for (int method = qc_methodAuto; method <= qc_methodLayers; method++)
+        CompareLate(device, (qcMethod)method, 2);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
 enum
 {
     qc_sceneCount = 4
@@ -453,6 +489,7 @@ END_TEST
 
 QC_RUN_TESTS("detect begin", a_step_in_the_background_has_the_result_of_detect_by_every_method_and_number_of_threads,
              a_step_in_the_background_has_the_result_of_detect_on_every_device,
+             a_step_ended_in_the_next_one_gives_the_result_of_the_previous_input,
              steps_of_several_scenes_run_at_once_also_with_one_device,
              a_pending_step_runs_beside_its_caller_and_refuses_changes_without_effect,
              calls_in_the_wrong_order_are_refused, a_scene_is_destroyed_while_its_step_is_pending,
