@@ -64,6 +64,11 @@ typedef struct qcDeviceDef
     /// Only the same GPU and driver are taken, and never with shareContext. 0, the default: 5 seconds; below 0: only
     /// qcDevice_Reopen opens the device again.
     double reopenSeconds;
+    /// Folder for binaries of the driver's compiler, which make later starts quicker; at most 1023 bytes. It is made at
+    /// the first use, and may be deleted at any time. Binaries of other drivers, damaged files and full disks do no
+    /// harm: programs are compiled. Null, the default: the environment's QC_PROGRAM_CACHE (nothing is stored if that is
+    /// no absolute path), or else quickcullide in XDG_CACHE_HOME or in ~/.cache. Empty: nothing is stored.
+    const char* cacheFolder;
 } qcDeviceDef;
 
 /// The default definition: kind auto, any GPU, no sharing.
@@ -78,6 +83,7 @@ static inline qcDeviceDef qcDefaultDeviceDef(void)
     def.shareContext = NULL;
     def.shareDisplay = NULL;
     def.reopenSeconds = 0.0;
+    def.cacheFolder = NULL;
     return def;
 }
 

@@ -7,6 +7,7 @@
 #include "base/clock.h"
 #include "base/definition.h"
 #include "base/float_mode.h"
+#include "gl/cache_files.h"
 #include "gl/context.h"
 #include "base/memory.h"
 #include "base/status.h"
@@ -56,6 +57,7 @@ struct qcDevice
     qcContext context;
     struct qcGlFunctions gl;
     struct qcGlPrograms programs;
+    char cacheFolder[qc_maxCacheFolder]; ///< of the programs' binaries; empty: none
     qcGpuIdentity gpu;
     uint32_t maxResolution;
     bool compute;
@@ -125,7 +127,7 @@ static qcStatus OpenContext(qcDevice* device, qcGpuIdentity* gpu)
 {
     QC_TRY(s_kinds[device->kind].open(&device->choice, &device->context));
     device->gl = (struct qcGlFunctions){.programs = &device->programs};
-    device->programs = (struct qcGlPrograms){0};
+    device->programs = (struct qcGlPrograms){.cacheFolder = device->cacheFolder, .opener = s_kinds[device->kind].name};
     qcStatus status = qcGlFunctions_Load(&device->gl, device->context.getFunction);
     if (status == qc_statusOk)
         status = qcContext_Identify(&device->context, gpu);
@@ -385,6 +387,7 @@ qcStatus qcDevice_Create(const qcDeviceDef* given, qcDevice** result)
     pthread_cond_init(&device->changed, NULL);
 
     device->choice = qcDeviceDef_Choice(&def);
+    qcCacheFiles_FindFolder(def.cacheFolder, device->cacheFolder);
     device->reopening.firstPause = qcDeviceDef_ReopenPause(&def);
     if (def.kind == qc_deviceAuto && def.shareContext != NULL)
         def.kind = def.shareDisplay != NULL ? qc_deviceEgl : qc_deviceOsmesa;

@@ -2,6 +2,7 @@
 #include "gl/device_def.h"
 
 #include "base/status.h"
+#include "gl/cache_files.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -40,6 +41,9 @@ qcStatus qcDeviceDef_Check(const qcDeviceDef* def, const char* kindName)
     bool chosen = def->gpuIndex >= 0 || (def->gpuName != NULL && def->gpuName[0] != 0) || def->gpuUuid != NULL;
     if (!(def->reopenSeconds >= 0.0) && !(def->reopenSeconds < 0.0))
         return qcFail(qc_statusBadInput, "qcDevice_Create: def->reopenSeconds is not a number");
+    if (def->cacheFolder != NULL && strlen(def->cacheFolder) >= qc_maxCacheFolder)
+        return qcFail(qc_statusBadInput, "qcDevice_Create: def->cacheFolder has %zu bytes, more than %d",
+                      strlen(def->cacheFolder), qc_maxCacheFolder - 1);
     if (chosen && def->kind != qc_deviceEgl)
         return qcFail(qc_statusBadInput, "qcDevice_Create: def chooses a GPU, for kind egl alone; def->kind is %s",
                       kindName);

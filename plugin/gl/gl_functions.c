@@ -3,9 +3,15 @@
 #include "gl/gl_functions.h"
 
 #include "base/status.h"
+#include "gl/program_cache.h"
 
 #include <assert.h>
 #include <string.h>
+
+enum
+{
+    qc_maxStages = 2
+};
 
 const char* qcGl_ErrorName(GLenum error)
 {
@@ -26,15 +32,7 @@ static const char* StageName(GLenum stage)
     return stage == GL_VERTEX_SHADER ? "vertex" : stage == GL_FRAGMENT_SHADER ? "fragment" : "compute";
 }
 
-/// The source of a shader, in parts.
-typedef struct ShaderSource
-{
-    GLenum stage;
-    const char* const* parts;
-    int partCount;
-} ShaderSource;
-
-static qcStatus CompileShader(const struct qcGlFunctions* gl, const char* name, const ShaderSource* source,
+static qcStatus CompileShader(const struct qcGlFunctions* gl, const char* name, const qcShaderSource* source,
                               GLuint* shader)
 {
     *shader = gl->CreateShader(source->stage);
@@ -49,14 +47,24 @@ static qcStatus CompileShader(const struct qcGlFunctions* gl, const char* name, 
     return qcFail(qc_statusDevice, "%s: the %s shader does not compile: %s", name, StageName(source->stage), log);
 }
 
-static qcStatus LinkProgram(const struct qcGlFunctions* gl, const char* name, const GLuint* shaders, int shaderCount,
+/// Shaders that become one program.
+typedef struct Recipe
+{
+    const char* name;
+    const qcShaderSource* sources;
+    int sourceCount;
+    qcProgramKey key;
+} Recipe;
+
+static qcStatus LinkProgram(const struct qcGlFunctions* gl, const Recipe* recipe, const GLuint* shaders,
                             GLuint* program)
 {
     *program = gl->CreateProgram();
-    for (int i = 0; i < shaderCount; i++)
+    for (int i = 0; i < recipe->sourceCount; i++)
         gl->AttachShader(*program, shaders[i]);
     gl->BindAttribLocation(*program, 0, "position");
     gl->BindAttribLocation(*program, 1, "normal");
+    qcProgramCache_Announce(gl, &recipe->key, *program);
     gl->LinkProgram(*program);
     GLint linked = GL_FALSE;
     gl->GetProgramiv(*program, GL_LINK_STATUS, &linked);
@@ -65,7 +73,23 @@ static qcStatus LinkProgram(const struct qcGlFunctions* gl, const char* name, co
     char log[256] = "";
     gl->GetProgramInfoLog(*program, sizeof log, NULL, log);
     gl->DeleteProgram(*program);
-    return qcFail(qc_statusDevice, "%s: the program does not link: %s", name, log);
+    return qcFail(qc_statusDevice, "%s: the program does not link: %s", recipe->name, log);
+}
+
+/// A linked program keeps what it needs of its shaders.
+static qcStatus CompileProgram(const struct qcGlFunctions* gl, const Recipe* recipe, GLuint* program)
+{
+    GLuint shaders[qc_maxStages] = {0};
+    qcStatus status = qc_statusOk;
+    for (int i = 0; i < recipe->sourceCount && status == qc_statusOk; i++)
+        status = CompileShader(gl, recipe->name, &recipe->sources[i], &shaders[i]);
+    if (status == qc_statusOk)
+        status = LinkProgram(gl, recipe, shaders, program);
+    for (int i = 0; i < recipe->sourceCount; i++)
+        gl->DeleteShader(shaders[i]); // zero is ignored
+    if (status == qc_statusOk)
+        qcProgramCache_Store(gl, &recipe->key, *program);
+    return status;
 }
 
 bool qcGl_HasExtension(qcGlGetFunction* getFunction, const char* name)
@@ -83,6 +107,13 @@ bool qcGl_HasExtension(qcGlGetFunction* getFunction, const char* name)
             return true;
     }
     return false;
+}
+
+static void LoadProgramBinaries(struct qcGlFunctions* gl, qcGlGetFunction* getFunction)
+{
+    gl->GetProgramBinary = (PFNGLGETPROGRAMBINARYPROC)getFunction("glGetProgramBinary");
+    gl->ProgramBinary = (PFNGLPROGRAMBINARYPROC)getFunction("glProgramBinary");
+    gl->ProgramParameteri = (PFNGLPROGRAMPARAMETERIPROC)getFunction("glProgramParameteri");
 }
 
 static void LoadMemoryObjects(struct qcGlFunctions* gl, qcGlGetFunction* getFunction)
@@ -120,6 +151,8 @@ qcStatus qcGlFunctions_Load(struct qcGlFunctions* gl, qcGlGetFunction* getFuncti
     }
     if (major * 10 + minor >= 44 || qcGl_HasExtension(getFunction, "GL_ARB_buffer_storage"))
         gl->BufferStorage = (PFNGLBUFFERSTORAGEPROC)getFunction("glBufferStorage");
+    if (major * 10 + minor >= 41 || qcGl_HasExtension(getFunction, "GL_ARB_get_program_binary"))
+        LoadProgramBinaries(gl, getFunction);
     LoadMemoryObjects(gl, getFunction);
     return qc_statusOk;
 }
@@ -159,20 +192,18 @@ static GLuint FindProgram(const struct qcGlFunctions* gl, const char* name)
     return 0;
 }
 
-/// Compiles, links and stores a program; a linked program keeps what it needs of its shaders.
-static qcStatus BuildProgram(const struct qcGlFunctions* gl, const char* name, const ShaderSource* sources,
-                             int sourceCount, GLuint* program)
+/// Makes a program and retains it.
+static qcStatus MakeProgram(const struct qcGlFunctions* gl, const char* name, const qcShaderSource* sources,
+                            int sourceCount, GLuint* program)
 {
     struct qcGlPrograms* programs = gl->programs;
-    assert(programs->count < qc_maxPrograms && sourceCount <= 2);
-    GLuint shaders[2] = {0, 0};
-    qcStatus status = qc_statusOk;
-    for (int i = 0; i < sourceCount && status == qc_statusOk; i++)
-        status = CompileShader(gl, name, &sources[i], &shaders[i]);
-    if (status == qc_statusOk)
-        status = LinkProgram(gl, name, shaders, sourceCount, program);
-    for (int i = 0; i < sourceCount; i++)
-        gl->DeleteShader(shaders[i]); // zero is ignored
+    Recipe recipe = {.name = name, .sources = sources, .sourceCount = sourceCount};
+    assert(programs->count < qc_maxPrograms && sourceCount <= qc_maxStages);
+    qcStatus status = qcProgramKey_Make(gl, name, sources, sourceCount, &recipe.key);
+    *program = status == qc_statusOk ? qcProgramCache_Load(gl, &recipe.key) : 0;
+    if (status == qc_statusOk && *program == 0)
+        status = CompileProgram(gl, &recipe, program);
+    qcProgramKey_Free(&recipe.key);
     if (status == qc_statusOk)
     {
         programs->items[programs->count].name = name;
@@ -188,8 +219,8 @@ qcStatus qcGlFunctions_GetProgram(const struct qcGlFunctions* gl, const char* na
     *program = FindProgram(gl, name);
     if (*program != 0)
         return qc_statusOk;
-    const ShaderSource sources[] = {{GL_VERTEX_SHADER, &vertexSource, 1}, {GL_FRAGMENT_SHADER, &fragmentSource, 1}};
-    return BuildProgram(gl, name, sources, 2, program);
+    const qcShaderSource sources[] = {{GL_VERTEX_SHADER, &vertexSource, 1}, {GL_FRAGMENT_SHADER, &fragmentSource, 1}};
+    return MakeProgram(gl, name, sources, 2, program);
 }
 
 qcStatus qcGlFunctions_GetComputeProgram(const struct qcGlFunctions* gl, const char* name, const char* const* sources,
@@ -198,6 +229,6 @@ qcStatus qcGlFunctions_GetComputeProgram(const struct qcGlFunctions* gl, const c
     *program = FindProgram(gl, name);
     if (*program != 0)
         return qc_statusOk;
-    const ShaderSource source = {GL_COMPUTE_SHADER, sources, sourceCount};
-    return BuildProgram(gl, name, &source, 1, program);
+    const qcShaderSource source = {GL_COMPUTE_SHADER, sources, sourceCount};
+    return MakeProgram(gl, name, &source, 1, program);
 }

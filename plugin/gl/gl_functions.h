@@ -117,6 +117,11 @@ struct qcGlPrograms
     const void* bound;
     bool keepBindings; ///< the present job calls no function whose effect has to be reset
     uint32_t calls;    ///< calls counted by qcGl_Counted
+    /// Of binaries that later starts take: see program_cache.h. Null or empty: none.
+    const char* cacheFolder;
+    /// Names the library that has opened the context: drivers of the same name and version refuse each other's
+    /// binaries.
+    const char* opener;
     uint32_t count;
     struct
     {
@@ -138,6 +143,10 @@ struct qcGlFunctions
     PFNGLMEMORYBARRIERPROC MemoryBarrier;
     /// Null below GL 4.4 without ARB_buffer_storage.
     PFNGLBUFFERSTORAGEPROC BufferStorage;
+    /// All null below GL 4.1 without ARB_get_program_binary.
+    PFNGLGETPROGRAMBINARYPROC GetProgramBinary;
+    PFNGLPROGRAMBINARYPROC ProgramBinary;
+    PFNGLPROGRAMPARAMETERIPROC ProgramParameteri;
     /// GL_EXT_memory_object_fd; all null without it.
     PFNGLCREATEMEMORYOBJECTSEXTPROC CreateMemoryObjects;
     PFNGLDELETEMEMORYOBJECTSEXTPROC DeleteMemoryObjects;
@@ -180,11 +189,12 @@ qcStatus qcGlFunctions_Load(struct qcGlFunctions* gl, qcGlGetFunction* getFuncti
 /// colour are not restored: each job sets those it uses.
 void qcGlFunctions_ResetState(const struct qcGlFunctions* gl);
 
-/// The program of this name (a literal), compiled at its first use. Attribute 0 is `position`, attribute 1 `normal`.
+/// The program of this name (a literal), made at its first use: of a binary in the cache, or compiled. Attribute 0 is
+/// `position`, attribute 1 `normal`.
 qcStatus qcGlFunctions_GetProgram(const struct qcGlFunctions* gl, const char* name, const char* vertexSource,
                                   const char* fragmentSource, GLuint* program);
 
-/// The compute program of this name (a literal), compiled at its first use. The source is given in parts.
+/// The compute program of this name (a literal), made at its first use likewise. The source is given in parts.
 qcStatus qcGlFunctions_GetComputeProgram(const struct qcGlFunctions* gl, const char* name, const char* const* sources,
                                          int sourceCount, GLuint* program);
 
