@@ -10,6 +10,7 @@
 #include <assert.h>
 #include <float.h>
 #include <math.h>
+#include <stdatomic.h>
 #include <string.h>
 
 static bool IsFinite(const double p[3])
@@ -328,44 +329,78 @@ typedef struct Reading
 {
     const qcBody* body;
     const qcVertexInput* source;
-    float* floats; ///< null: positions become doubles
+    float* floats; ///< null: positions become doubles, and have been checked
+    atomic_bool failed;
     WorkerBox boxes[qc_maxWorkers];
 } Reading;
 
 static void ReadBlock(void* context, size_t block, uint32_t worker)
 {
     Reading* reading = context;
+    const qcBody* body = reading->body;
     const qcVertexInput part = qcVertexInput_Block(reading->source, block);
-    size_t first = block * qc_inputBlock;
-    WorkerBox* box = &reading->boxes[worker];
-    if (reading->floats != NULL)
-        qcVertexInput_ReadFloats(&part, reading->floats + 3 * first);
+    const size_t first = block * qc_inputBlock;
+    WorkerBox *box = &reading->boxes[worker], unused;
+    EmptyBox(unused.lower, unused.upper);
+    if (reading->floats == NULL)
+        qcVertexInput_Read(&part, body->world + 3 * first);
     else
-        qcVertexInput_Read(&part, reading->body->world + 3 * first);
-    IncludeVertices(reading->body, (Positions){reading->body->world, reading->floats}, first, part.count, box->lower,
-                    box->upper);
+    {
+        WorkerBox* ofAll = body->used == NULL ? box : &unused;
+        if (!qcVertexInput_ReadFloats(&part, reading->floats + 3 * first, ofAll->lower, ofAll->upper))
+            atomic_store(&reading->failed, true);
+    }
+    if (reading->floats == NULL || body->used != NULL)
+        IncludeVertices(body, (Positions){body->world, reading->floats}, first, part.count, box->lower, box->upper);
 }
 
-/// Reads checked positions into body->world, or as floats where these are kept, and finds the body's box.
-static void ReadVertices(qcBody* body, const qcVertexInput* source, uint32_t threads)
+/// Reads positions as floats or, where `floats` is null, checked ones into body->world, and finds their box. False: a
+/// float isn't finite.
+static bool ReadVertices(const qcBody* body, const qcVertexInput* source, uint32_t threads, float* floats,
+                         double lower[3], double upper[3])
 {
     Reading reading;
     reading.body = body;
     reading.source = source;
-    reading.floats = body->hasFloats && body->floats != NULL && body->floats->kept ? body->floats->at : NULL;
-    if (body->floats != NULL)
-        body->floats->newest = reading.floats != NULL;
+    reading.floats = floats;
+    atomic_init(&reading.failed, false);
     for (uint32_t i = 0; i < threads; i++)
         EmptyBox(reading.boxes[i].lower, reading.boxes[i].upper);
     qcParallel_For(threads, qcVertexInput_BlockCount(source), qc_minInputBlocks, ReadBlock, &reading);
-    EmptyBox(body->lower, body->upper);
+    EmptyBox(lower, upper);
     for (uint32_t i = 0; i < threads; i++)
         for (int axis = 0; axis < 3; axis++)
         {
             const WorkerBox* box = &reading.boxes[i];
-            body->lower[axis] = box->lower[axis] < body->lower[axis] ? box->lower[axis] : body->lower[axis];
-            body->upper[axis] = box->upper[axis] > body->upper[axis] ? box->upper[axis] : body->upper[axis];
+            lower[axis] = box->lower[axis] < lower[axis] ? box->lower[axis] : lower[axis];
+            upper[axis] = box->upper[axis] > upper[axis] ? box->upper[axis] : upper[axis];
         }
+    return !atomic_load(&reading.failed);
+}
+
+/// Reads positions into doubles: they are checked first, since they overwrite the present ones.
+static qcStatus SetDoubles(qcBody* body, uint32_t slot, const qcVertexInput* source, uint32_t threads)
+{
+    QC_TRY(qcVertexInput_Check(source, slot, threads));
+    DepartFromStart(body);
+    if (body->floats != NULL)
+        body->floats->newest = false;
+    (void)ReadVertices(body, source, threads, NULL, body->lower, body->upper);
+    return qc_statusOk;
+}
+
+/// Reads positions as floats, in one pass.
+static qcStatus SetFloats(qcBody* body, uint32_t slot, const qcVertexInput* source, uint32_t threads)
+{
+    double lower[3], upper[3];
+    QC_TRY(qcVertexInput_CheckLayout(source, slot));
+    if (!ReadVertices(body, source, threads, body->floats->spare, lower, upper))
+        return qcVertexInput_FailNotFinite(source, slot);
+    DepartFromStart(body);
+    qcFloatPositions_Replace(body);
+    memcpy(body->lower, lower, sizeof body->lower);
+    memcpy(body->upper, upper, sizeof body->upper);
+    return qc_statusOk;
 }
 
 qcStatus qcBodies_SetVertices(qcBodies* bodies, uint32_t slot, const void* positions, qcPositionType type,
@@ -374,11 +409,10 @@ qcStatus qcBodies_SetVertices(qcBodies* bodies, uint32_t slot, const void* posit
     qcBody* body = &QC_AT(qcBody, bodies->slots, slot);
     uint32_t threads = bodies->threads != 0 ? qcParallel_Threads(bodies->threads) : 1;
     qcVertexInput source = {positions, type, stride, body->vertexCount};
+    bool keepsFloats = type == qc_positionF32 && body->floats != NULL && body->floats->kept;
     qcParallel_Wake(threads);
-    QC_TRY(qcVertexInput_Check(&source, slot, threads));
-    DepartFromStart(body);
+    QC_TRY((keepsFloats ? SetFloats : SetDoubles)(body, slot, &source, threads));
     body->hasFloats = type == qc_positionF32;
-    ReadVertices(body, &source, threads);
     body->moved = ++bodies->revision;
     return qc_statusOk;
 }

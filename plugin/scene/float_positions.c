@@ -3,10 +3,17 @@
 
 #include "base/status.h"
 
+/// Of a position array, rounded up to whole cache lines.
+static size_t ArrayBytes(const qcBody* body)
+{
+    return (3 * sizeof(float) * body->vertexCount + 63) / 64 * 64;
+}
+
 static size_t ByteCount(const qcBody* body)
 {
-    return sizeof(struct qcFloatPositions) + 3 * sizeof(float) * body->vertexCount;
+    return 64 + 2 * ArrayBytes(body);
 }
+_Static_assert(sizeof(struct qcFloatPositions) <= 64, "the arrays begin with a cache line");
 
 qcStatus qcFloatPositions_Keep(qcBody* body)
 {
@@ -16,6 +23,11 @@ qcStatus qcFloatPositions_Keep(qcBody* body)
         body->floats = qcAllocateZeroed(ByteCount(body));
     if (body->floats == NULL)
         return qcFailMemory(ByteCount(body), "positions as floats");
+    if (body->floats->at == NULL)
+    {
+        body->floats->at = (float*)(void*)((char*)body->floats + 64);
+        body->floats->spare = (float*)(void*)((char*)body->floats->at + ArrayBytes(body));
+    }
     body->floats->kept = true;
     return qc_statusOk;
 }
@@ -46,6 +58,14 @@ void qcFloatPositions_ConvertTriangle(const qcBody* body, uint32_t triangle)
         uint32_t vertex = body->indices[3 * (size_t)triangle + (size_t)c];
         qcBody_GetNewestVertex(body, vertex, body->world + 3 * (size_t)vertex);
     }
+}
+
+void qcFloatPositions_Replace(qcBody* body)
+{
+    float* previous = body->floats->at;
+    body->floats->at = body->floats->spare;
+    body->floats->spare = previous;
+    body->floats->newest = true;
 }
 
 void qcFloatPositions_Free(qcBody* body)

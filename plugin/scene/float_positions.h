@@ -7,9 +7,10 @@
 
 struct qcFloatPositions
 {
-    bool kept;   ///< the body's next positions are read here, if they are floats
-    bool newest; ///< qcBody::world is older
-    float at[];  ///< three a vertex
+    bool kept;    ///< the body's next positions are read here, if they are floats
+    bool newest;  ///< qcBody::world is older
+    float* at;    ///< three a vertex
+    float* spare; ///< as many: new positions are read here, and take effect only if all of them are finite
 };
 
 /// Whether the present positions are floats, and qcBody::world is older.
@@ -35,6 +36,8 @@ void qcFloatPositions_Leave(const qcBody* body);
 /// Brings qcBody::world up to date for all vertices, or for those of a triangle.
 void qcFloatPositions_Convert(const qcBody* body);
 void qcFloatPositions_ConvertTriangle(const qcBody* body, uint32_t triangle);
+/// The spare positions become the present ones.
+void qcFloatPositions_Replace(qcBody* body);
 /// Before the body is freed.
 void qcFloatPositions_Free(qcBody* body);
 

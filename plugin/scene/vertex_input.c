@@ -1,9 +1,12 @@
 // A number is finite unless all bits of its exponent are set. Integer tests on the bits let the compiler vectorise.
 #include "scene/vertex_input.h"
 
+#include "base/aabb.h"
+#include "base/four_floats.h"
 #include "base/parallel_for.h"
 #include "base/status.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -118,7 +121,7 @@ static void CheckBlock(void* context, size_t block, uint32_t worker)
         atomic_store(&check->failed, true);
 }
 
-qcStatus qcVertexInput_Check(const qcVertexInput* p, uint32_t slot, uint32_t threads)
+qcStatus qcVertexInput_CheckLayout(const qcVertexInput* p, uint32_t slot)
 {
     if (p->type != qc_positionF32 && p->type != qc_positionF64)
         return qcFail(qc_statusBadInput, "body %u: unknown position type %d", slot, (int)p->type);
@@ -127,14 +130,23 @@ qcStatus qcVertexInput_Check(const qcVertexInput* p, uint32_t slot, uint32_t thr
     if (StrideOf(p) < SizeOf(p->type))
         return qcFail(qc_statusBadInput, "body %u: a stride of %zu bytes is less than a position's %zu", slot,
                       p->stride, SizeOf(p->type));
-    Check check = {.input = p};
-    qcParallel_For(threads, qcVertexInput_BlockCount(p), qc_minInputBlocks, CheckBlock, &check);
-    if (!atomic_load(&check.failed))
-        return qc_statusOk;
+    return qc_statusOk;
+}
+
+qcStatus qcVertexInput_FailNotFinite(const qcVertexInput* p, uint32_t slot)
+{
     uint32_t vertex = 0;
     while (IsFinite(p, vertex))
         vertex++;
     return qcFail(qc_statusBadInput, "vertex %u of body %u is not finite", vertex, slot);
+}
+
+qcStatus qcVertexInput_Check(const qcVertexInput* p, uint32_t slot, uint32_t threads)
+{
+    QC_TRY(qcVertexInput_CheckLayout(p, slot));
+    Check check = {.input = p};
+    qcParallel_For(threads, qcVertexInput_BlockCount(p), qc_minInputBlocks, CheckBlock, &check);
+    return atomic_load(&check.failed) ? qcVertexInput_FailNotFinite(p, slot) : qc_statusOk;
 }
 
 /// Writes four numbers a vertex; the next vertex overwrites the fourth.
@@ -180,12 +192,51 @@ void qcVertexInput_Read(const qcVertexInput* p, double* out)
             memcpy(out + 3 * v, at + stride * v, 3 * sizeof(double));
 }
 
-void qcVertexInput_ReadFloats(const qcVertexInput* p, float* out)
+/// The bits of four floats that are not finite, set.
+static FourWords NotFinite(qcFourFloats x)
 {
-    const size_t stride = StrideOf(p), size = SizeOf(p->type);
-    if (stride == size && p->count != 0)
-        memcpy(out, p->data, size * p->count);
-    else
-        for (size_t v = 0; v < p->count; v++)
-            memcpy(out + 3 * v, (const char*)p->data + stride * v, 3 * sizeof(float));
+    const FourWords exponent = {0x7f800000u, 0x7f800000u, 0x7f800000u, 0x7f800000u};
+    return (FourWords)(((FourWords)x & exponent) == exponent);
+}
+
+/// Four vertices at a time, in one pass over memory. Returns how many vertices are done.
+static size_t CopyFours(const char* from, size_t count, float* out, double lower[3], double upper[3], bool* finite)
+{
+    qcFourFloats low[3], high[3];
+    FourWords bad = {0, 0, 0, 0};
+    const size_t fours = count / 4;
+    for (int k = 0; k < 3; k++)
+    {
+        low[k] = FLT_MAX - (qcFourFloats){0};
+        high[k] = -low[k];
+    }
+    for (size_t i = 0; i < fours; i++)
+        for (size_t k = 0; k < 3; k++)
+        {
+            qcFourFloats x = qcFourFloats_Load(from + 16 * (3 * i + k));
+            bad |= NotFinite(x);
+            low[k] = qcFourFloats_Min(low[k], x);
+            high[k] = qcFourFloats_Max(high[k], x);
+            qcFourFloats_Store(x, out + 4 * (3 * i + k));
+        }
+    *finite = (bad[0] | bad[1] | bad[2] | bad[3]) == 0;
+    for (int k = 0; k < 12 && fours != 0; k++)
+    {
+        double least = (double)low[k / 4][k % 4], most = (double)high[k / 4][k % 4];
+        lower[k % 3] = least < lower[k % 3] ? least : lower[k % 3];
+        upper[k % 3] = most > upper[k % 3] ? most : upper[k % 3];
+    }
+    return 4 * fours;
+}
+
+bool qcVertexInput_ReadFloats(const qcVertexInput* p, float* out, double lower[3], double upper[3])
+{
+    const size_t stride = StrideOf(p);
+    bool finite = true;
+    size_t v = stride == SizeOf(p->type) ? CopyFours(p->data, p->count, out, lower, upper, &finite) : 0;
+    const size_t done = v;
+    for (; v < p->count; v++)
+        memcpy(out + 3 * v, (const char*)p->data + stride * v, 3 * sizeof(float));
+    qcBounds_IncludeFloats(out + 3 * done, p->count - done, lower, upper);
+    return AreFloatsFinite((const char*)(out + 3 * done), 3 * (p->count - done)) && finite;
 }

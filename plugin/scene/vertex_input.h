@@ -20,9 +20,13 @@ typedef struct qcVertexInput
     uint32_t count;
 } qcVertexInput;
 
-/// qc_statusBadInput, with the body's slot and the vertex in the message: type, pointer or stride are invalid, or a
-/// position isn't finite.
+/// qc_statusBadInput, with the body's slot in the message: type, pointer or stride are invalid.
+qcStatus qcVertexInput_CheckLayout(const qcVertexInput* positions, uint32_t slot);
+/// qc_statusBadInput, with the body's slot and the vertex in the message: the layout is invalid, or a position isn't
+/// finite.
 qcStatus qcVertexInput_Check(const qcVertexInput* positions, uint32_t slot, uint32_t threads);
+/// The failure of positions of which one isn't finite.
+qcStatus qcVertexInput_FailNotFinite(const qcVertexInput* positions, uint32_t slot);
 
 static inline size_t qcVertexInput_BlockCount(const qcVertexInput* positions)
 {
@@ -34,7 +38,8 @@ qcVertexInput qcVertexInput_Block(const qcVertexInput* positions, size_t block);
 
 /// Copies checked positions, three doubles each.
 void qcVertexInput_Read(const qcVertexInput* positions, double* out);
-/// Copies checked positions of qc_positionF32, three floats each.
-void qcVertexInput_ReadFloats(const qcVertexInput* positions, float* out);
+/// Copies positions of qc_positionF32, three floats each, and extends a box by them. False: one isn't finite; the box
+/// is then meaningless.
+bool qcVertexInput_ReadFloats(const qcVertexInput* positions, float* out, double lower[3], double upper[3]);
 
 #endif
