@@ -116,39 +116,27 @@ qcStatus qcVertexBuffers_KeepFloats(qcBodies* bodies, const qcStepTriangles* tri
     return qc_statusOk;
 }
 
-static void ConvertPair(const qcStepTriangles* triangles, uint64_t key)
-{
-    const uint32_t pair[2] = {(uint32_t)(key >> 32), (uint32_t)key};
-    for (int side = 0; side < 2; side++)
-    {
-        uint32_t body = qcStepTriangles_BodyOf(triangles, pair[side]);
-        qcFloatPositions_ConvertTriangle(qcStepTriangles_Body(triangles, body),
-                                         pair[side] - qcStepTriangles_First(triangles, body));
-    }
-}
-
 /// Converts the positions of triangles in candidate pairs, or all where that is less work.
-static void ConvertFloats(const qcStepTriangles* triangles, const qcCandidates* candidates, bool needsClassified)
+static void ConvertFloats(const qcStepTriangles* triangles, const qcPcsReport* pcs)
 {
-    size_t inFloats = 0, pairs = candidates->keys.count + (needsClassified ? candidates->classified.count : 0);
+    size_t inFloats = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
         inFloats += qcBody_IsInFloats(qcStepTriangles_Body(triangles, body))
                         ? qcStepTriangles_Body(triangles, body)->vertexCount
                         : 0;
+    // A triangle of the list takes about as long as this many vertices in a row (cloth of 92 K).
+    const size_t inRow = 10;
     if (inFloats == 0)
         return;
-    // A vertex of a pair takes about as long as this many in a row (cloth of 92 K).
-    const size_t inRow = 8;
-    if (6 * inRow * pairs >= inFloats)
-    {
+    if (inRow * pcs->triangles.count < inFloats)
+        for (size_t i = 0; i < pcs->triangles.count; i++)
+        {
+            const qcTriangleRef* ref = &QC_AT(qcTriangleRef, pcs->triangles, i);
+            qcFloatPositions_ConvertTriangle(&QC_AT(qcBody, triangles->bodies->slots, ref->body), ref->triangle);
+        }
+    else
         for (uint32_t body = 0; body < triangles->bodyCount; body++)
             qcFloatPositions_Convert(qcStepTriangles_Body(triangles, body));
-        return;
-    }
-    for (size_t i = 0; i < candidates->keys.count; i++)
-        ConvertPair(triangles, QC_AT(uint64_t, candidates->keys, i));
-    for (size_t i = 0; needsClassified && i < candidates->classified.count; i++)
-        ConvertPair(triangles, qcRelatedPair_Key(QC_AT(uint64_t, candidates->classified, i)));
 }
 
 //  ---- triangles of candidates -------------------------------------------------------------------------------------
@@ -226,12 +214,12 @@ static qcStatus MakeParts(const qcStepTriangles* triangles, qcVertexBuffers* b)
 }
 
 qcStatus qcVertexBuffers_Gather(const qcStep* step, const qcStepTriangles* triangles, const qcCandidates* candidates,
-                                qcVertexBuffers* b, qcProfile* profile)
+                                const qcPcsReport* pcs, qcVertexBuffers* b, qcProfile* profile)
 {
     const Listing listing = {triangles, b};
     bool any, listsClassified = step->def->segments || step->def->proximities;
     b->items.count = 0;
-    ConvertFloats(triangles, candidates, listsClassified);
+    ConvertFloats(triangles, pcs);
     QC_TRY(BeginLists(triangles, &any));
     for (size_t i = 0; any && i < candidates->keys.count; i++)
         QC_TRY(ListPair(&listing, QC_AT(uint64_t, candidates->keys, i)));

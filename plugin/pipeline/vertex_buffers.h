@@ -3,6 +3,7 @@
 #ifndef QC_PIPELINE_VERTEX_BUFFERS_H
 #define QC_PIPELINE_VERTEX_BUFFERS_H
 
+#include "pipeline/pcs_report.h"
 #include "pipeline/step.h"
 #include "quickcullide/buffers.h"
 #include "scene/step_triangles.h"
@@ -38,9 +39,9 @@ qcStatus qcVertexBuffers_CompleteOthers(const qcStepTriangles* triangles, const 
 /// them. `onDevice`: flags, by body of the step.
 qcStatus qcVertexBuffers_KeepFloats(qcBodies* bodies, const qcStepTriangles* triangles, const uint8_t* onDevice);
 
-/// Brings qcBody::world up to date for triangles in candidate pairs.
+/// Brings qcBody::world up to date for triangles in candidate pairs, which `pcs` lists.
 qcStatus qcVertexBuffers_Gather(const qcStep* step, const qcStepTriangles* triangles, const qcCandidates* candidates,
-                                qcVertexBuffers* buffers, qcProfile* profile);
+                                const qcPcsReport* pcs, qcVertexBuffers* buffers, qcProfile* profile);
 void qcVertexBuffers_Free(qcVertexBuffers* buffers);
 
 #endif

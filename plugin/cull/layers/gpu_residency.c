@@ -255,7 +255,7 @@ static qcStatus UploadTopology(qcGpuResidency* residency, qcBodyResidency* resid
         for (size_t c = 0; c < 3; c++)
             triangles[i][c] =
                 t == QC_NO_TRIANGLE ? QC_NO_TRIANGLE : resident->firstVertex + body->indices[3 * (size_t)t + c];
-        triangles[i][3] = 0;
+        triangles[i][3] = t;
         if (residency->imageOnly)
             memcpy(&QC_AT(qcCorners, residency->corners, (size_t)resident->firstNode * qc_nodeSize + i), triangles[i],
                    sizeof(qcCorners));
@@ -372,7 +372,8 @@ static qcStatus UploadBody(const Prepare* p, uint32_t body)
                             .mask = b->mask,
                             .flags = (b->activity == qc_activityMoving ? qc_layersIsMoving : 0u) |
                                      (p->job->hasSelfPairs[body] ? qc_layersMeetsItself : 0u),
-                            .owner = b->owner};
+                            .owner = b->owner,
+                            .firstTriangle = qcStepTriangles_First(p->job->triangles, body)};
     memcpy(entry->interest, p->job->partnerBoxes + 4 * (size_t)body, sizeof entry->interest);
     if (resident->frame == 0)
         QC_TRY(UploadTopology(residency, resident, slot, b));

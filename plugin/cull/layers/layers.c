@@ -117,23 +117,13 @@ static qcStatus OpenDevice(qcCullLayers* cull, qcDevice* device)
     return qc_statusOk;
 }
 
-/// Triangle pairs: from slots on the device to candidate keys.
-static qcStatus MapPairs(const Step* step, const qcLayersAnswer* answer, qcArray* keys)
+/// The device's pairs as candidate keys.
+static qcStatus TakePairs(const qcLayersAnswer* answer, qcArray* keys)
 {
-    const qcCullLayers* cull = step->cull;
-    const qcStepTriangles* t = step->job->triangles;
     size_t at = keys->count;
     QC_TRY(qcArray_Resize(keys, at + answer->pairCount, sizeof(uint64_t), "candidates"));
     for (size_t i = 0; i < answer->pairCount; i++)
-    {
-        uint32_t global[2];
-        for (size_t side = 0; side < 2; side++)
-        {
-            uint32_t slot, triangle = qcGpuResidency_TriangleAt(&cull->residency, answer->pairs[2 * i + side], &slot);
-            global[side] = qcStepTriangles_First(t, QC_AT(uint32_t, cull->bodyOf, slot)) + triangle;
-        }
-        QC_AT(uint64_t, *keys, at + i) = qcStepTriangles_Key(global[0], global[1]);
-    }
+        QC_AT(uint64_t, *keys, at + i) = qcStepTriangles_Key(answer->pairs[2 * i], answer->pairs[2 * i + 1]);
     return qc_statusOk;
 }
 
@@ -278,7 +268,7 @@ static qcStatus TryDevice(Step* step, const qcPairKeys* keys, qcProfile* profile
     device.started = Now(job);
     QC_TRY(qcLayers_Run(cull->layers, &device, &answer));
     double answered = Now(job);
-    QC_TRY(cull->residency.imageOnly ? Refine(step, &device, &answer, keys) : MapPairs(step, &answer, keys->keys));
+    QC_TRY(cull->residency.imageOnly ? Refine(step, &device, &answer, keys) : TakePairs(&answer, keys->keys));
     FillProfile(step, &device, &answer, profile);
     FillTimes(step, &answer, device.started, answered, profile);
     return qc_statusOk;

@@ -163,6 +163,7 @@ void qcLayersBuffers_BindAll(const struct qcGlFunctions* gl, const qcLayersBuffe
     for (GLuint i = 0; i < qc_storageBindings; i++)
         gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, i,
                            bindings[i] == qc_streamBinding ? stream : b->buffers[bindings[i]]);
+    gl->BindBufferRange(GL_UNIFORM_BUFFER, 0, stream, 0, qc_parameterBytes);
     gl->BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, b->buffers[qc_workLists]);
     gl->BindBuffer(GL_COPY_READ_BUFFER, b->buffers[qc_workLists]);
     gl->BindBuffer(GL_COPY_WRITE_BUFFER, b->buffers[qc_workResults]);

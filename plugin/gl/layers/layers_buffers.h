@@ -25,7 +25,8 @@ enum
     qc_boxesOfNode = 73,
     qc_texelsOfImageNode = 7, ///< of qc_workNodeBoxes
     qc_counterWords = 128,
-    qc_sourceBinding = 3 ///< storage block of the kernels that reads floats: the stream, or a qcLayersSource
+    qc_parameterBytes = 256, ///< room for qcLayersParameters at the start of a step's data
+    qc_sourceBinding = 3     ///< storage block of the kernels that reads floats: the stream, or a qcLayersSource
 };
 
 typedef struct qcLayersBuffers
@@ -54,7 +55,7 @@ qcStatus qcLayersBuffers_Reserve(const struct qcGlFunctions* gl, qcLayersBuffers
 
 /// Returns the number of bytes uploaded.
 size_t qcLayersBuffers_Upload(const struct qcGlFunctions* gl, const qcLayersBuffers* b, const qcLayersUpload* upload);
-/// Binds all buffers and samplers. `stream`: the buffer of the steps' data.
+/// Binds all buffers and samplers. `stream`: the buffer of the steps' data, parameters first.
 void qcLayersBuffers_BindAll(const struct qcGlFunctions* gl, const qcLayersBuffers* b, GLuint stream);
 /// The content, for reading; null: GL failed. Where nothing is persistent, it is mapped until UnmapAll.
 const void* qcLayersBuffers_Read(const struct qcGlFunctions* gl, qcLayersBuffers* b, int buffer);

@@ -154,7 +154,6 @@ static void WriteParameters(const qcLayers* layers)
 {
     const qcLayersStep* step = &layers->step;
     Places p = FindPlaces(step);
-    uint32_t start = (uint32_t)(qcLayersStream_Offset(&layers->stream) / sizeof(uint32_t));
     qcLayersParameters values = {.chunkCount = OwnChunkCount(step),
                                  .changedNodes = step->changedNodes,
                                  .activeNodes = step->activeCount,
@@ -163,10 +162,10 @@ static void WriteParameters(const qcLayers* layers)
                                  .nodePairCapacity = ListCapacity(layers, list_nodePairs),
                                  .survivorCapacity = ListCapacity(layers, list_survivors),
                                  .cellCount = CellCount(step),
-                                 .bodiesAt = start + (uint32_t)p.bodies,
-                                 .nodesAt = start + (uint32_t)p.nodes,
-                                 .chunksAt = start + (uint32_t)p.chunks,
-                                 .floatsAt = start + (uint32_t)p.floats,
+                                 .bodiesAt = (uint32_t)p.bodies,
+                                 .nodesAt = (uint32_t)p.nodes,
+                                 .chunksAt = (uint32_t)p.chunks,
+                                 .floatsAt = (uint32_t)p.floats,
                                  .testNeighbours = step->testNeighbours,
                                  .pointError = step->pointError,
                                  .queryDistance = step->queryDistance,
@@ -205,7 +204,7 @@ static qcStatus GrowForStep(const struct qcGlFunctions* gl, void* context)
     const Opening* opening = context;
     qcLayers* layers = opening->layers;
     size_t bytes = FindPlaces(opening->step).end * sizeof(uint32_t);
-    if (bytes > layers->stream.partBytes)
+    if (bytes > layers->stream.size)
         QC_TRY(qcLayersStream_Grow(gl, &layers->stream, bytes));
     if (!qcLayers_SharesVertices(layers))
         return qc_statusOk;
@@ -216,13 +215,12 @@ qcStatus qcLayers_Open(qcLayers* layers, const qcLayersStep* step, qcLayersMemor
 {
     Places p = FindPlaces(step);
     bool shares = qcLayers_SharesVertices(layers);
-    if (p.end * sizeof(uint32_t) > layers->stream.partBytes ||
+    if (p.end * sizeof(uint32_t) > layers->stream.size ||
         (shares && step->capacity[qc_layersVertices] > layers->buffers.capacity[qc_layersVertices]))
     {
         Opening opening = {layers, step};
         QC_TRY(qcDevice_RunIn(layers->device, layers->generation, GrowForStep, &opening, "layers, memory"));
     }
-    qcLayersStream_Next(&layers->stream);
     float* words = (float*)(void*)qcLayersStream_Data(&layers->stream);
     *memory = (qcLayersMemory){.floats = words + p.floats,
                                .vertices = shares ? layers->buffers.mapped[qc_layersVertices] : NULL};
@@ -316,8 +314,6 @@ static void Submit(const struct qcGlFunctions* gl, qcLayers* layers)
     qcLayersStream_Submit(gl, &layers->stream, FindPlaces(&layers->step).end * sizeof(uint32_t));
     if (gl->programs->bound != layers)
         qcLayersBuffers_BindAll(gl, &layers->buffers, layers->stream.buffer);
-    qcGl_Counted(gl)->BindBufferRange(GL_UNIFORM_BUFFER, 0, layers->stream.buffer,
-                                      (GLintptr)qcLayersStream_Offset(&layers->stream), qc_parameterBytes);
     qcGlTimers_Mark(gl, &layers->timers, qc_partUpload);
     RunKernels(gl, layers);
     layers->fence = qcGl_Counted(gl)->FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
@@ -459,7 +455,7 @@ static qcStatus FinishStep(const struct qcGlFunctions* gl, qcLayers* layers)
     answer->entries = CountOf(layers, list_entries);
     answer->trianglePairs = layers->counters.trianglePairs.count;
     answer->skippedNodes = layers->counters.skippedNodes.count;
-    answer->deviceBytes = qcLayersBuffers_ByteCount(&layers->buffers) + qcLayersStream_ByteCount(&layers->stream);
+    answer->deviceBytes = qcLayersBuffers_ByteCount(&layers->buffers) + layers->stream.size;
     answer->glCalls += gl->programs->calls;
     qcGlTimers_Mark(gl, &layers->timers, qc_partWait);
     qcGlTimers_End(gl, &layers->timers, qc_partTimers);

@@ -17,7 +17,7 @@ typedef enum qcLayersBuffer
     qc_layersVertices,
     /// By vertex of a rigid body: bits of three floats, the position about its centre, within [-1, 1]; the body's slot.
     qc_layersLocals,
-    /// By triangle slot: three vertices; QC_NO_TRIANGLE first: the slot is empty.
+    /// By triangle slot: three vertices, the triangle's index in its body; QC_NO_TRIANGLE first: the slot is empty.
     qc_layersTriangles,
     /// By node: the body's slot, its first link, the end of its links.
     qc_layersNodes,
@@ -43,6 +43,7 @@ typedef struct qcLayersBody
     uint32_t group, mask, flags, owner;
     uint32_t interest[4]; ///< AABB of its partners, in levels (qcLayers_PackBox): nodes outside are skipped
     float transform[3][4];
+    uint32_t firstTriangle; ///< of the body, in the step's numbering
 } qcLayersBody;
 
 /// What a chunk's vertices are made of.
@@ -157,7 +158,7 @@ typedef struct qcLayersImage
 
 typedef struct qcLayersAnswer
 {
-    const uint32_t* pairs; ///< two triangle slots each, in no order; valid until the next step
+    const uint32_t* pairs; ///< two triangles of the step each, in no order; valid until the next step
     size_t pairCount;
     qcLayersImage image; ///< instead of pairs with `imageOnly`; valid until the next step
     uint64_t entries;

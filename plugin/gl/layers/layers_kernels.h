@@ -18,8 +18,7 @@ typedef enum qcLayersKernel
 
 enum
 {
-    qc_groupsInRow = 1 << 15, ///< workgroups of a dispatch along x
-    qc_parameterBytes = 256   ///< room for qcLayersParameters at the start of a step's data
+    qc_groupsInRow = 1 << 15 ///< workgroups of a dispatch along x
 };
 
 /// The uniform block of all kernels, in the layout std140.

@@ -1,14 +1,8 @@
-// A part is written by the processor while the device may still read the others.
+// Allocation and upload of a step's data.
 #include "gl/layers/layers_stream.h"
 
 #include "base/status.h"
 #include "gl/layers/layers_buffers.h"
-
-enum
-{
-    // At least GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, which is at most 256.
-    qc_partAlignment = 256
-};
 
 void qcLayersStream_Delete(const struct qcGlFunctions* gl, qcLayersStream* stream)
 {
@@ -19,22 +13,21 @@ void qcLayersStream_Delete(const struct qcGlFunctions* gl, qcLayersStream* strea
 qcStatus qcLayersStream_Grow(const struct qcGlFunctions* gl, qcLayersStream* stream, size_t bytes)
 {
     bool persistent = gl->BufferStorage != NULL;
-    size_t size = (bytes + bytes / 4 + qc_partAlignment - 1) / qc_partAlignment * qc_partAlignment;
-    size_t all = persistent ? qc_streamParts * size : size;
+    size_t size = bytes + bytes / 4;
     GLint64 max = 0;
     gl->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &max);
-    if (all > (size_t)max)
-        return qcFail(qc_statusDevice, "layers: %zu bytes of a step are more than the device's buffers hold", all);
+    if (size > (size_t)max)
+        return qcFail(qc_statusDevice, "layers: %zu bytes of a step are more than the device's buffers hold", size);
     qcLayersStream_Delete(gl, stream);
     gl->programs->bound = NULL;
     gl->GenBuffers(1, &stream->buffer);
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, stream->buffer);
     void* mapped = NULL;
-    QC_TRY(qcLayersBuffers_Allocate(gl, all, GL_MAP_WRITE_BIT, &mapped));
+    QC_TRY(qcLayersBuffers_Allocate(gl, size, GL_MAP_WRITE_BIT, &mapped));
     if (!persistent)
         QC_TRY(qcArray_Resize(&stream->staging, size, 1, "data for the device"));
     stream->mapped = mapped;
-    stream->partBytes = size;
+    stream->size = size;
     return qc_statusOk;
 }
 

@@ -2,7 +2,7 @@
 // clusters, overlapping triangles except neighbours, then separating axes. These are one algorithm with
 // kernels/separating_axis.inl.h: the same scale, gap and 17 axes (the processor also tries the line between the centres).
 // Tests of `layers` run both with one body (QC_LAYERS_REFINE). Proof: plugin/docs/proofs/layers.md.
-layout(std430, binding = 6) buffer Results { uvec2 outSurvivors[]; }; // a copy of the counters, then slots of triangles
+layout(std430, binding = 6) buffer Results { uvec2 outSurvivors[]; }; // a copy of the counters, then triangles of the step
 
 const uint survivorsAt = COUNTER_WORDS / 2u;
 // Pairs of clusters between two barriers: more would need more shared memory, and most pairs of nodes have fewer.
@@ -151,8 +151,14 @@ void testQueue(uvec2 pair, uint k)
     barrier();
 }
 
-// One append for the round.
-void writeKept(uvec2 pair, uint k)
+// The step's number of the triangle at a slot.
+uint numberOf(uint slot, uint firstTriangle)
+{
+    return firstTriangle + texelFetch(triangles, int(slot)).w;
+}
+
+// One append for the round. `firsts`: the first triangles of both bodies.
+void writeKept(uvec2 pair, uvec2 firsts, uint k)
 {
     uint count = keptCount;
     if (k == 0u)
@@ -163,7 +169,7 @@ void writeKept(uvec2 pair, uint k)
     barrier();
     for (uint i = k; i < count; i += 64u)
         outSurvivors[survivorsAt + min(firstKept + i, survivorCapacity)] =
-            uvec2(pair.x * 64u + (queue[i] & 63u), pair.y * 64u + (queue[i] >> 6));
+            uvec2(numberOf(pair.x * 64u + (queue[i] & 63u), firsts.x), numberOf(pair.y * 64u + (queue[i] >> 6), firsts.y));
     barrier();
     if (k == 0u)
         queueCount = keptCount = 0u;
@@ -191,7 +197,9 @@ void main()
     }
     barrier();
     // Bodies that don't collide have no clusters.
-    bool isTested = mayCollide(node.x, texelFetch(nodes, int(pair.y)).x);
+    uint bodyB = texelFetch(nodes, int(pair.y)).x;
+    uvec2 firsts = uvec2(bodyWord(node.x, 20u), bodyWord(bodyB, 20u));
+    bool isTested = mayCollide(node.x, bodyB);
     if (isTested && testNeighbours == 0u)
         findTable(node.y, node.z, pair.y, k);
     barrier();
@@ -206,6 +214,6 @@ void main()
             findTriangles(clusters[j], isOneNode, hasTable, k);
         barrier();
         testQueue(pair, k);
-        writeKept(pair, k);
+        writeKept(pair, firsts, k);
     }
 }
