@@ -68,7 +68,7 @@ demos/bench/paper           demos/bench demos/bench/peers demos/common
 demos/bench/ablation
 demos/bench/queries         demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/scaling         demos/bench demos/bench/scenes demos/common/... demos/common
-demos/bench/gpu             demos/bench demos/bench/scenes demos/common/... demos/common
+demos/bench/gpu             demos/bench demos/bench/peers demos/bench/paper demos/bench/scenes demos/common/... demos/common
 demos/bench/soft            demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/through         demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/piles           demos/bench demos/bench/through demos/common/... demos/common

@@ -2,6 +2,7 @@
 #include "support/csv_rows.h"
 #include "bench/gpu/gpu.h"
 #include "support/run_program.h"
+#include "support/scenes.h"
 #include "support/suite.h"
 
 #include <check.h>
@@ -115,7 +116,7 @@ START_TEST(each_kernel_has_its_times_where_it_runs)
     ck_assert_int_eq(
         Run("QC_LAYERS_REFINE=device %s gpu --scenes cloth,pile --triangles 1000 --threads 1 --out all", BENCH), 0);
     ck_assert_int_eq(ForEachRow("all/gpu_stages.csv", "scene,triangles,stage,thread_ms,device_ms", CheckStage, &all),
-                     2 * 16);
+                     2 * 17);
     ck_assert_int_eq(Run("QC_LAYERS_REFINE=processor %s gpu --scenes cloth,pile --triangles 1000 --threads 1 "
                          "--out image",
                          BENCH),
@@ -128,6 +129,75 @@ START_TEST(each_kernel_has_its_times_where_it_runs)
     // On one thread there is one sweep.
     char hash[128] = "";
     ck_assert_int_eq(ForEachRow("all/gpu.csv", HEADER, CheckRow, hash), 2 * 2);
+}
+END_TEST
+
+START_TEST(scenes_without_their_files_are_skipped)
+{
+    if (!HasDevice(""))
+        return;
+    ck_assert_int_eq(Run("%s gpu --scenes dragon,bunnies-27,paper-cloth --bunny nowhere --recordings nowhere", BENCH),
+                     0);
+    ck_assert_ptr_nonnull(strstr(GetOutput(), "\ndragon is skipped: --dragon names no file"));
+    ck_assert_ptr_nonnull(strstr(GetOutput(), "\nbunnies-27 is skipped: nowhere is not there"));
+    ck_assert_ptr_nonnull(strstr(GetOutput(), "\npaper-cloth is skipped: there is no nowhere/cloth.qcr"));
+    WriteText("cloth.qcr", "no recording");
+    ck_assert_int_eq(Run("%s gpu --scenes paper-cloth --recordings .", BENCH), 1);
+    ck_assert_ptr_nonnull(strstr(GetErrors(), "./cloth.qcr"));
+}
+END_TEST
+
+/// Ten frames of a deforming cloth and rigid soups; one of these is added before frame `added`.
+static void Record(const char* path, int added)
+{
+    qcSoup cloth = qcSoup_MakeFoldedCloth(3, 14, 0.02, 0.02), soup = qcSoup_MakeRandom(5, 300, 0.1);
+    qcScene* scene = qcMakeScene(NULL);
+    qcBodyDef def = qcBodyDefOf(&cloth);
+    def.deforming = true;
+    qcBodyId id, rigid = qcAddSoup(scene, &soup);
+    const qcResult* result;
+    const qcDetectDef plain = qcDefaultDetectDef();
+    ck_assert_int_eq(qcScene_AddBody(scene, &def, &id), qc_statusOk);
+    ck_assert_int_eq(qcScene_Record(scene, path), qc_statusOk);
+    for (int frame = 0; frame < 10; ++frame)
+    {
+        qcTransform transform = qcIdentityTransform();
+        transform.translation[0] = 0.01 * frame;
+        cloth.positions[3 * frame] += 0.01;
+        if (frame == added)
+            qcAddSoup(scene, &soup);
+        ck_assert_int_eq(qcScene_SetTransform(scene, rigid, &transform), qc_statusOk);
+        ck_assert_int_eq(qcScene_SetVertices(scene, id, cloth.positions, qc_positionF64, 0), qc_statusOk);
+        ck_assert_int_eq(qcScene_Detect(scene, &plain, &result), qc_statusOk);
+    }
+    qcScene_Destroy(scene);
+    qcSoup_Free(&cloth);
+    qcSoup_Free(&soup);
+}
+
+static void CheckRecordedRow(const Row* row, void* bodies)
+{
+    ck_assert_double_eq(GetNumber(row, "bodies"), *(const double*)bodies);
+    ck_assert_double_gt(GetNumber(row, "pairs"), 20.0);
+    ck_assert(Is(row, "agrees", "1") && Is(row, "failure", "\"\""));
+}
+
+START_TEST(frames_from_the_middle_of_a_recording_are_measured)
+{
+    if (!HasDevice(""))
+        return;
+    double bodies = 2.0;
+    Record("leaves.qcr", 9);
+    ck_assert_int_eq(Run("%s gpu --scenes paper-leaves --recordings . --threads 1 --out out", BENCH), 0);
+    ck_assert_int_eq(ForEachRow("out/gpu.csv", HEADER, CheckRecordedRow, &bodies), 2);
+    // The frames begin anew with a new body.
+    Record("leaves.qcr", 6);
+    bodies = 3.0;
+    ck_assert_int_eq(Run("%s gpu --scenes paper-leaves --recordings . --threads 1 --out out", BENCH), 0);
+    ck_assert_int_eq(ForEachRow("out/gpu.csv", HEADER, CheckRecordedRow, &bodies), 2);
+    Record("leaves.qcr", 7);
+    ck_assert_int_eq(Run("%s gpu --scenes paper-leaves --recordings . --threads 1 --out out", BENCH), 1);
+    ck_assert_ptr_nonnull(strstr(GetErrors(), "no 4 frames with the same bodies"));
 }
 END_TEST
 
@@ -191,6 +261,8 @@ int main(void)
     tcase_add_test(tcase, lists_agree_only_if_all_frames_and_all_steps_do);
     tcase_add_test(tcase, each_scene_and_size_has_its_rows_with_equal_lists);
     tcase_add_test(tcase, each_kernel_has_its_times_where_it_runs);
+    tcase_add_test(tcase, scenes_without_their_files_are_skipped);
+    tcase_add_test(tcase, frames_from_the_middle_of_a_recording_are_measured);
     tcase_add_test(tcase, a_device_that_does_not_work_is_a_clear_error);
     tcase_add_test(tcase, mistakes_are_refused_before_anything_is_measured);
     tcase_add_test(tcase, a_run_that_is_ended_keeps_its_rows);

@@ -10,11 +10,18 @@ static qcExitStatus MeasureScene(const qcGpuOptions* options, const qcGpuDevice*
 {
     for (uint32_t size = 0; size < qcGpuScene_CountSizes(scene, options); ++size)
     {
-        if (!qcGpu_Measure(options, device, scene, size, &table->rows[table->rowCount], message))
+        qcAnimation animation;
+        qcBenchMade made = qcGpuScene_Make(scene, size, options, &animation, message);
+        if (made == qc_benchSkipped)
+            printf("\n%s is skipped: %s\n", qcGpuScene_Name(scene), message->text);
+        if (made == qc_benchFailed)
             return qc_exitFailed;
-        ++table->rowCount;
+        bool measured = made == qc_benchSkipped ||
+                        qcGpu_Measure(options, device, scene, &animation, &table->rows[table->rowCount], message);
+        table->rowCount += made == qc_benchMade && measured;
+        qcAnimation_Free(&animation);
         // Rows of a long run remain if it ends early.
-        if (!qcGpu_WriteFiles(options, device, table, message))
+        if (!measured || !qcGpu_WriteFiles(options, device, table, message))
             return qc_exitFailed;
     }
     qcGpu_WriteScene(stdout, table, scene);
@@ -43,7 +50,7 @@ static qcExitStatus CheckRows(const qcGpuTable* table, qcMessage* message)
     return ending;
 }
 
-static qcExitStatus Measure(const qcGpuOptions* options, qcGpuDevice* device, qcGpuTable* table, qcMessage* message)
+static qcExitStatus Measure(qcGpuOptions* options, qcGpuDevice* device, qcGpuTable* table, qcMessage* message)
 {
     // Fails here, not after minutes of work.
     if (!qcFiles_Check(options->out, "gpu.csv", message))
@@ -51,6 +58,8 @@ static qcExitStatus Measure(const qcGpuOptions* options, qcGpuDevice* device, qc
     qcExitStatus ending = qcGpu_OpenDevice(options, device, message);
     if (ending != qc_exitDone)
         return ending;
+    if (options->maxTriangles == UINT32_MAX)
+        options->maxTriangles = device->info.software ? 1000000 : 4000000;
     qcGpu_WriteDevice(stdout, options, device);
     fflush(stdout);
     for (int scene = 0; ending == qc_exitDone && scene < qc_gpuSceneCount; ++scene)

@@ -10,8 +10,8 @@
 
 enum
 {
-    qc_gpuSizeCount = 6,
-    qc_gpuSceneCount = 7,
+    qc_gpuSizeCount = 7,
+    qc_gpuSceneCount = 15,
     qc_gpuFrames = 4,
     qc_maxGpuRuns = 3,   ///< of a row: layers, sweep on 1 thread, sweep on all
     qc_maxGpuStages = 24 ///< of a step of layers
@@ -20,11 +20,13 @@ enum
 typedef struct qcGpuOptions
 {
     bool scenes[qc_gpuSceneCount];
-    uint32_t maxTriangles; ///< larger sizes are left out
+    uint32_t maxTriangles; ///< larger sizes are left out; UINT32_MAX: by the device
     uint32_t threads;      ///< of layers, and of the sweep on all threads
     qcDeviceKind device;
     int32_t gpuIndex;    ///< see qcDeviceDef
     const char* gpuName; ///< likewise
+    qcBenchModels models;
+    const char* recordings; ///< folder of the paper's scenes
     const char* out;
 } qcGpuOptions;
 
@@ -39,7 +41,10 @@ const char* qcGpuScene_Title(int scene);
 /// Number of sizes of the scene within the options' limit.
 uint32_t qcGpuScene_CountSizes(int scene, const qcGpuOptions* options);
 /// Makes the bodies of the scene in a size and their frames; empty unless it was made. Deterministic to the bit.
-bool qcGpuScene_Make(int scene, uint32_t size, qcAnimation* animation, qcMessage* message);
+qcBenchMade qcGpuScene_Make(int scene, uint32_t size, const qcGpuOptions* options, qcAnimation* animation,
+                            qcMessage* message);
+/// Reads bodies and frames from the middle of a recording; empty unless it was made.
+qcBenchMade qcGpuRecorded_Make(const char* path, qcAnimation* animation, qcMessage* message);
 
 //  ---- rows ----------------------------------------------------------------------------------------
 
@@ -103,8 +108,8 @@ void qcGpu_CountAllocations(void);
 /// fails.
 qcExitStatus qcGpu_OpenDevice(const qcGpuOptions* options, qcGpuDevice* device, qcMessage* message);
 /// Measures a scene in one size. False with a message: out of memory, or the sweep failed.
-bool qcGpu_Measure(const qcGpuOptions* options, const qcGpuDevice* device, int scene, uint32_t size, qcGpuRow* row,
-                   qcMessage* message);
+bool qcGpu_Measure(const qcGpuOptions* options, const qcGpuDevice* device, int scene, const qcAnimation* animation,
+                   qcGpuRow* row, qcMessage* message);
 /// True if all methods found the same list of pairs in each frame, in every step.
 static inline bool qcGpuRow_Agrees(const qcGpuRow* row)
 {

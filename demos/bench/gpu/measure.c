@@ -115,17 +115,21 @@ static void Keep(StageTimes* times, qcGpuRow* row, uint32_t stage, const char* n
 static void KeepStep(const Bench* bench, StageTimes* times, qcGpuRow* row)
 {
     const qcProfile* p = &bench->ours.result->profile;
+    double objects = p->planMs + p->cullObjectsMs + p->sweepObjectsMs;
     double triangles = p->cullTrianglesMs + p->sweepTrianglesMs;
+    double rest = p->totalMs - objects - triangles - p->exactMs - p->contactMs - p->manifoldMs;
     uint32_t stage = 0;
     Keep(times, row, stage++, "move", bench->ours.moveMs, -1.0);
-    Keep(times, row, stage++, "objects", p->planMs + p->cullObjectsMs + p->sweepObjectsMs, -1.0);
-    for (size_t i = 0; i < p->layerTimeCount && stage < qc_maxGpuStages - 2; ++i)
+    Keep(times, row, stage++, "objects", objects, -1.0);
+    for (size_t i = 0; i < p->layerTimeCount && stage < qc_maxGpuStages - 3; ++i)
     {
         const qcLayerTime* part = &p->layerTimes[i];
         Keep(times, row, stage++, part->name, part->threadMs, part->deviceMs);
         triangles -= part->threadMs > 0.0 ? part->threadMs : 0.0;
     }
     Keep(times, row, stage++, "candidates", triangles > 0.0 ? triangles : 0.0, -1.0);
+    // The list of the PCS, and doubles for the exact test.
+    Keep(times, row, stage++, "report", rest > 0.0 ? rest : 0.0, -1.0);
     Keep(times, row, stage++, "exact", p->exactMs, -1.0);
 }
 
@@ -233,26 +237,24 @@ static bool MeasureRun(const qcAnimation* animation, qcDevice* device, qcGpuRun*
     return ran;
 }
 
-bool qcGpu_Measure(const qcGpuOptions* options, const qcGpuDevice* device, int scene, uint32_t size, qcGpuRow* row,
-                   qcMessage* message)
+bool qcGpu_Measure(const qcGpuOptions* options, const qcGpuDevice* device, int scene, const qcAnimation* animation,
+                   qcGpuRow* row, qcMessage* message)
 {
-    qcAnimation animation;
+    bool measured = true;
     qcProgress_Begin(0, qcGpuScene_Name(scene));
-    bool measured = qcGpuScene_Make(scene, size, &animation, message);
-    *row = (qcGpuRow){.scene = scene, .bodies = animation.bodyCount, .triangles = animation.triangleCount};
+    *row = (qcGpuRow){.scene = scene, .bodies = animation->bodyCount, .triangles = animation->triangleCount};
     row->runs[row->runCount++] = (qcGpuRun){.method = qc_methodLayers, .threads = options->threads};
     row->runs[row->runCount++] = (qcGpuRun){.method = qc_methodSweep, .threads = 1};
     if (options->threads != 1)
         row->runs[row->runCount++] = (qcGpuRun){.method = qc_methodSweep, .threads = options->threads};
     for (uint32_t i = 0; measured && i < row->runCount; ++i)
     {
-        measured = MeasureRun(&animation, device->device, &row->runs[i], row);
+        measured = MeasureRun(animation, device->device, &row->runs[i], row);
         if (!measured)
             qcMessage_Fail(message, "%s, %u triangles, %s: %s", qcGpuScene_Name(scene), row->triangles,
                            qcMethod_Name(row->runs[i].method), qcLastMessage());
     }
     qcProgress_End();
-    qcAnimation_Free(&animation);
     return measured;
 }
 
@@ -277,7 +279,7 @@ static void ReadProcessor(char* name, size_t size)
 static bool Try(const qcGpuOptions* options, qcGpuDevice* device, qcMessage* message)
 {
     qcAnimation animation;
-    if (!qcGpuScene_Make(0, 0, &animation, message))
+    if (qcGpuScene_Make(0, 0, options, &animation, message) != qc_benchMade)
         return false;
     qcAnimatedScene ours;
     qcDetectDef def = qcDefaultDetectDef();

@@ -37,12 +37,14 @@ static const char s_help[] =
 void qcGpu_ReadOptions(int argumentCount, char** arguments, qcGpuOptions* options)
 {
     long cores = sysconf(_SC_NPROCESSORS_ONLN);
-    *options = (qcGpuOptions){.maxTriangles = 1000000,
+    *options = (qcGpuOptions){.maxTriangles = UINT32_MAX,
                               .threads = cores < 1      ? 1
                                          : cores > 1024 ? 1024
                                                         : (uint32_t)cores,
                               .device = qc_deviceAuto,
                               .gpuIndex = -1,
+                              .models = {.bunny = QC_BUNNY_PATH},
+                              .recordings = "out/recordings",
                               .out = "out/gpu"};
     qcWord scenes[qc_gpuSceneCount + 1] = {{NULL, 0}};
     for (int i = 0; i < qc_gpuSceneCount; ++i)
@@ -56,13 +58,23 @@ void qcGpu_ReadOptions(int argumentCount, char** arguments, qcGpuOptions* option
          qcOption_Text(&options->gpuName)},
         {2, "scenes", "LIST",
          "Of cloth and tangle (a folded cloth with itself; in a tangle most layers cross), crowd and pile (27 such "
-         "cloths with each other, deforming or rigid): from 1000 to 1000000 triangles; sheets-1e-3, sheets-1e-6 (two "
-         "sheets so far apart) and slivers (needles that cross): 5000 triangles. All by default",
+         "cloths with each other, deforming or rigid): from 1000 to 4000000 triangles; sheets-1e-3, sheets-1e-6 (two "
+         "sheets so far apart) and slivers (needles that cross): 5000 triangles; tangle-92k, wrung-80k, dragon, "
+         "bunnies-27 and rigid-27 as in qc-bench peers; paper-cloth, paper-breaking and paper-leaves (frames from the "
+         "middle of the paper's scenes). All by default",
          qcOption_Marks(options->scenes, qc_gpuSceneCount, scenes)},
-        {2, "triangles", "N", "Sizes up to this many; %s by default, 0: the device is shown, no more",
+        {2, "triangles", "N",
+         "Sizes up to this many; 4000000 by default, 1000000 on software GL; 0: the device is shown, no more",
          qcOption_Number(&options->maxTriangles, 0, UINT32_MAX)},
         {2, "threads", "N", "Threads of layers, and of sweep beside 1; all cores by default",
          qcOption_Number(&options->threads, 1, 1024)},
+        {3, "bunny", "FILE", "The model of the bunnies; that of the package glmark2-data by default",
+         qcOption_Text(&options->models.bunny)},
+        {3, "dragon", "FILE", "The model of dragon, which is skipped without it; tests/dragon.sh fetches it",
+         qcOption_Text(&options->models.dragon)},
+        {3, "recordings", "FOLDER",
+         "Where the paper's scenes are; %s by default; \"demos/run.sh bench paper\" makes them",
+         qcOption_Folder(&options->recordings)},
         {3, "out", "FOLDER", "Where gpu.csv, gpu_stages.csv and gpu.txt go; %s by default, made if it is missing",
          qcOption_Folder(&options->out)},
         {0}};

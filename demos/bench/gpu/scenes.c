@@ -1,36 +1,57 @@
-// The scenes of `qc-bench gpu`: cloths with themselves and with each other from 1 K to 1 M triangles, and shapes that
-// lie close to each other.
+// The scenes of `qc-bench gpu`: cloths with themselves and with each other from 1 K to 4 M triangles, shapes that lie
+// close to each other, scenes of `qc-bench peers`, and frames of the paper's scenes.
 #include "bench/gpu/gpu.h"
 
+#include "bench/peers/peers.h"
 #include "bench/scenes/piles.h"
 #include "bench/scenes/shapes.h"
+#include "common/files.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+typedef enum Source
+{
+    source_cloths,   ///< in all sizes
+    source_shapes,   ///< the scene of bench/scenes/scenes.h that has this name
+    source_peers,    ///< likewise, of bench/peers/peers.h
+    source_recording ///< of a demo
+} Source;
 
 typedef struct Recipe
 {
     const char* name;
     const char* title;
-    qcAnimationKind kind;
-    uint32_t bodyCount; ///< 0: a scene of bench/scenes/scenes.h
-    double wrinkles;    ///< of a cloth
+    Source source;
     uint32_t triangles; ///< of a scene in one size
+    //  Of cloths:
+    qcAnimationKind kind;
+    uint32_t bodyCount;
+    double wrinkles;
 } Recipe;
 
 static const Recipe s_recipes[qc_gpuSceneCount] = {
-    {"cloth", "a folded cloth with itself", qc_animatedSelf, 1, 1.0, 0},
-    {"tangle", "a tangled cloth with itself", qc_animatedSelf, 1, 2.5, 0},
-    {"crowd", "27 folded cloths with each other, deforming", qc_animatedDeforming, 27, 1.0, 0},
-    {"pile", "27 folded cloths with each other, rigid", qc_animatedRigid, 27, 1.0, 0},
-    {"sheets-1e-3", "two wavy sheets 1e-3 apart", qc_animatedSelf, 0, 0.0, 5184},
-    {"sheets-1e-6", "two wavy sheets 1e-6 apart", qc_animatedSelf, 0, 0.0, 5184},
-    {"slivers", "needles that cross", qc_animatedSelf, 0, 0.0, 5000},
+    {"cloth", "a folded cloth with itself", source_cloths, 0, qc_animatedSelf, 1, 1.0},
+    {"tangle", "a tangled cloth with itself", source_cloths, 0, qc_animatedSelf, 1, 2.5},
+    {"crowd", "27 folded cloths with each other, deforming", source_cloths, 0, qc_animatedDeforming, 27, 1.0},
+    {"pile", "27 folded cloths with each other, rigid", source_cloths, 0, qc_animatedRigid, 27, 1.0},
+    {"sheets-1e-3", "two wavy sheets 1e-3 apart", source_shapes, 5184, qc_animatedSelf, 0, 0.0},
+    {"sheets-1e-6", "two wavy sheets 1e-6 apart", source_shapes, 5184, qc_animatedSelf, 0, 0.0},
+    {"slivers", "needles that cross", source_shapes, 5000, qc_animatedSelf, 0, 0.0},
+    {"tangle-92k", "a cloth tangled on a spinning ball with itself", source_peers, 92450, qc_animatedSelf, 0, 0.0},
+    {"wrung-80k", "a wrung tube with itself", source_peers, 80000, qc_animatedSelf, 0, 0.0},
+    {"dragon", "the dragon with itself", source_peers, 871414, qc_animatedSelf, 0, 0.0},
+    {"bunnies-27", "27 decimated bunnies with each other, deforming", source_peers, 135000, qc_animatedSelf, 0, 0.0},
+    {"rigid-27", "27 decimated bunnies with each other, rigid", source_peers, 135000, qc_animatedSelf, 0, 0.0},
+    {"paper-cloth", "the paper's cloth over a table", source_recording, 20000, qc_animatedSelf, 0, 0.0},
+    {"paper-breaking", "the paper's breaking dragon", source_recording, 100000, qc_animatedSelf, 0, 0.0},
+    {"paper-leaves", "the paper's leaves", source_recording, 40000, qc_animatedSelf, 0, 0.0},
 };
 
 // 92 K: the largest cloth of the paper.
-static const uint32_t s_sizes[qc_gpuSizeCount] = {1000, 4000, 20000, 92000, 250000, 1000000};
+static const uint32_t s_sizes[qc_gpuSizeCount] = {1000, 4000, 20000, 92000, 250000, 1000000, 4000000};
 
 const char* qcGpuScene_Name(int scene)
 {
@@ -72,7 +93,7 @@ static bool MakeCloths(const Recipe* recipe, uint32_t triangles, qcAnimation* an
 }
 
 /// The bodies of the scene of bench/scenes/scenes.h that has this name.
-static bool TakeBodies(const char* name, qcAnimation* animation, qcMessage* message)
+static bool TakeShapes(const char* name, qcAnimation* animation, qcMessage* message)
 {
     int index = 0;
     while (strcmp(qcBenchScene_Name(index), name) != 0)
@@ -86,17 +107,42 @@ static bool TakeBodies(const char* name, qcAnimation* animation, qcMessage* mess
     return true;
 }
 
-bool qcGpuScene_Make(int scene, uint32_t size, qcAnimation* animation, qcMessage* message)
+static qcBenchMade MakePeers(const char* name, const qcGpuOptions* options, qcAnimation* animation, qcMessage* message)
+{
+    int index = 0;
+    while (strcmp(qcPeerScene_Name(index), name) != 0)
+        ++index;
+    return qcPeerScene_Make(index, &options->models, qc_gpuFrames, animation, message);
+}
+
+static qcBenchMade MakeRecorded(const char* name, const qcGpuOptions* options, qcAnimation* animation,
+                                qcMessage* message)
+{
+    char path[4096];
+    const char* demo = name + strlen("paper-");
+    snprintf(path, sizeof path, "%s/%s.qcr", options->recordings, demo);
+    if (qcFiles_IsThere(path))
+        return qcGpuRecorded_Make(path, animation, message);
+    qcMessage_Fail(message, "there is no %s; \"qc-%s --record %s\" makes it", path, demo, path);
+    return qc_benchSkipped;
+}
+
+qcBenchMade qcGpuScene_Make(int scene, uint32_t size, const qcGpuOptions* options, qcAnimation* animation,
+                            qcMessage* message)
 {
     const Recipe* recipe = &s_recipes[scene];
     *animation = (qcAnimation){.kind = recipe->kind, .frameCount = qc_gpuFrames};
-    bool made = recipe->bodyCount != 0 ? MakeCloths(recipe, s_sizes[size], animation, message)
-                                       : TakeBodies(recipe->name, animation, message);
+    if (recipe->source == source_peers)
+        return MakePeers(recipe->name, options, animation, message);
+    if (recipe->source == source_recording)
+        return MakeRecorded(recipe->name, options, animation, message);
+    bool made = recipe->source == source_cloths ? MakeCloths(recipe, s_sizes[size], animation, message)
+                                                : TakeShapes(recipe->name, animation, message);
     for (uint32_t i = 0; made && i < animation->bodyCount; ++i)
         animation->triangleCount += animation->bodies[i].triangleCount;
     if (made && !qcAnimation_MakeFrames(animation))
         made = qcMessage_Fail(message, "out of memory");
     if (!made)
         qcAnimation_Free(animation);
-    return made;
+    return made ? qc_benchMade : qc_benchFailed;
 }

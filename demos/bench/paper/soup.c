@@ -45,6 +45,9 @@ static bool AddBody(qcPaperSoup* soup, const qcOperation* operation)
     body->vertexCount = def->vertexCount;
     body->triangleCount = def->triangleCount;
     body->transform = def->transform;
+    body->group = def->group;
+    body->mask = def->mask;
+    body->owner = def->owner;
     if (def->vertexCount != 0)
         TakePositions(body, def->positions, def->positionType);
     if (def->triangleCount != 0)

@@ -11,6 +11,7 @@ typedef struct qcPaperSoupBody
     uint32_t* indices;
     uint32_t vertexCount, triangleCount;
     qcTransform transform;
+    uint32_t group, mask, owner;
 } qcPaperSoupBody;
 
 typedef struct qcPaperSoup

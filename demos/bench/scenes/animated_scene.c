@@ -8,15 +8,17 @@
 static qcStatus AddBody(qcAnimatedScene* ours, const qcAnimation* animation, uint32_t index)
 {
     const qcMesh* mesh = &animation->bodies[index];
-    qcBodyDef def = qcDefaultBodyDef();
-    def.positions = animation->kind == qc_animatedRigid ? mesh->positions : animation->positions[index];
+    const bool rigid = qcAnimation_IsRigid(animation, index), mixed = animation->kind == qc_animatedMixed;
+    qcBodyDef def = mixed ? animation->definitions[index] : qcDefaultBodyDef();
+    def.positions = rigid ? mesh->positions : animation->positions[index];
     def.vertexCount = mesh->vertexCount;
     def.indices = mesh->indices;
     def.triangleCount = mesh->triangleCount;
-    def.deforming = animation->kind != qc_animatedRigid;
-    if (animation->kind == qc_animatedRigid)
+    def.deforming = !rigid;
+    if (rigid)
         def.transform = animation->transforms[index];
-    def.selfCollision = animation->kind == qc_animatedSelf;
+    if (!mixed)
+        def.selfCollision = animation->kind == qc_animatedSelf;
     return qcScene_AddBody(ours->scene, &def, &ours->ids[index]);
 }
 
@@ -38,7 +40,7 @@ bool qcAnimatedScene_Step(qcAnimatedScene* ours, const qcAnimation* animation, u
     for (uint32_t i = 0; status == qc_statusOk && i < animation->bodyCount; ++i)
     {
         size_t k = (size_t)frame * animation->bodyCount + i;
-        status = animation->kind == qc_animatedRigid
+        status = qcAnimation_IsRigid(animation, i)
                      ? qcScene_SetTransform(ours->scene, ours->ids[i], &animation->transforms[k])
                      : qcScene_SetVertices(ours->scene, ours->ids[i], animation->positions[k], qc_positionF32, 0);
     }

@@ -59,5 +59,6 @@ void qcAnimation_Free(qcAnimation* animation)
     free(animation->bodies);
     free(animation->positions);
     free(animation->transforms);
+    free(animation->definitions);
     *animation = (qcAnimation){0};
 }

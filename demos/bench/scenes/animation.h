@@ -14,7 +14,8 @@ typedef enum qcAnimationKind
 {
     qc_animatedSelf,      ///< one deforming body with itself
     qc_animatedDeforming, ///< bodies with each other, all vertices new in each frame
-    qc_animatedRigid      ///< bodies with each other, transforms new in each frame
+    qc_animatedRigid,     ///< bodies with each other, transforms new in each frame
+    qc_animatedMixed      ///< each body as its definition says
 } qcAnimationKind;
 
 /// Bodies, and where they are in each frame.
@@ -27,7 +28,15 @@ typedef struct qcAnimation
     uint32_t frameCount;
     float** positions;       ///< frameCount * bodyCount arrays; null where rigid
     qcTransform* transforms; ///< frameCount * bodyCount; null where deforming
+    qcBodyDef* definitions;  ///< of qc_animatedMixed, bodyCount: all but positions and triangles; otherwise null
 } qcAnimation;
+
+/// Whether a body has transforms.
+static inline bool qcAnimation_IsRigid(const qcAnimation* animation, uint32_t body)
+{
+    return animation->kind == qc_animatedMixed ? !animation->definitions[body].deforming
+                                               : animation->kind == qc_animatedRigid;
+}
 
 /// Makes the frames of an animation whose kind, bodies and frameCount are set; bodies of the kinds other than
 /// qc_animatedSelf are piled up first. False: out of memory.
