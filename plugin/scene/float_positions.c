@@ -3,7 +3,7 @@
 
 #include "base/status.h"
 
-/// Of a position array, rounded up to whole cache lines.
+/// Bytes of a position array, rounded up to whole cache lines.
 static size_t ArrayBytes(const qcBody* body)
 {
     return (3 * sizeof(float) * body->vertexCount + 63) / 64 * 64;

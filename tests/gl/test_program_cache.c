@@ -211,10 +211,15 @@ START_TEST(a_second_start_compiles_nothing_and_finds_the_same_pairs)
     EnterCache();
     QC_FOR_EACH_DEVICE(device)
     {
-        if (!HasBinaries(device))
-            continue;
+        const bool hasBinaries = HasBinaries(device);
         int before = ListFiles().count, compiled = Start(device), stored = ListFiles().count - before;
         ck_assert_int_gt(compiled, 0);
+        if (!hasBinaries)
+        {
+            ck_assert_int_eq(stored, 0);
+            ck_assert_int_eq(Start(device), compiled);
+            continue;
+        }
         ck_assert_int_eq(stored, compiled); // compute programs have one shader each
         ck_assert_int_eq(Start(device), 0);
         ck_assert_int_eq(ListFiles().count - before, stored);
@@ -311,6 +316,8 @@ START_TEST(folders_that_cannot_be_written_disturb_nothing)
     longest[1023] = 0;
     QC_FOR_EACH_DEVICE(device)
     {
+        if (!HasBinaries(device))
+            continue;
         StartInVain(device, "");
         StartInVain(device, inFile);
         StartInVain(device, "/proc/self/cache");
@@ -472,13 +479,15 @@ START_TEST(drivers_that_refuse_or_lack_binaries_compile)
     EnterCache();
     QC_FOR_EACH_DEVICE(device)
     {
+        if (!HasBinaries(device))
+            continue;
         for (size_t i = 0; i < sizeof storing / sizeof storing[0]; i++)
             ck_assert_int_gt(StartWith(device, storing[i]), 0);
         ck_assert_int_eq(ListFiles().count, 0);
         int compiled = Start(device);
         for (size_t i = 0; i < sizeof loading / sizeof loading[0]; i++)
             ck_assert_int_eq(StartWith(device, loading[i]), compiled);
-        ck_assert_int_eq(Start(device), HasBinaries(device) ? 0 : compiled);
+        ck_assert_int_eq(Start(device), 0);
         LeaveFolder();
         EnterCache();
     }

@@ -4,6 +4,7 @@
 #include "support/suite.h"
 
 #include <math.h>
+#include <stdio.h>
 
 enum
 {
@@ -65,11 +66,16 @@ static void MoveBody(Worlds* w, int body)
     float* floats = FloatsOf(soup, width);
     if (qcRandom_Below(&w->random, 4) == 0)
     {
-        size_t bad = width * qcRandom_Below(&w->random, soup->vertexCount);
+        static const float bads[] = {NAN, INFINITY, -INFINITY};
+        const uint32_t vertex = qcRandom_Below(&w->random, soup->vertexCount);
+        size_t bad = width * vertex + qcRandom_Below(&w->random, 3);
         float good = floats[bad];
-        floats[bad] = NAN;
+        char expected[64];
+        floats[bad] = bads[qcRandom_Below(&w->random, 3)];
         ck_assert_int_eq(qcScene_SetVertices(w->floats, w->ids[0][body], floats, qc_positionF32, width * sizeof(float)),
                          qc_statusBadInput);
+        snprintf(expected, sizeof expected, "vertex %u of body %u is not finite", vertex, w->ids[0][body].slot);
+        ck_assert_str_eq(qcLastMessage(), expected);
         floats[bad] = good;
     }
     if (qcRandom_Below(&w->random, 5) == 0)

@@ -15,7 +15,7 @@ typedef enum qcAnimationKind
     qc_animatedSelf,      ///< one deforming body with itself
     qc_animatedDeforming, ///< bodies with each other, all vertices new in each frame
     qc_animatedRigid,     ///< bodies with each other, transforms new in each frame
-    qc_animatedMixed      ///< each body as its definition says
+    qc_animatedMixed      ///< each body by its definition
 } qcAnimationKind;
 
 /// Bodies, and where they are in each frame.
