@@ -116,6 +116,23 @@ qcStatus qcVertexBuffers_KeepFloats(qcBodies* bodies, const qcStepTriangles* tri
     return qc_statusOk;
 }
 
+/// Converts the positions of the listed triangles. They lie apart: indices and positions are fetched ahead.
+static void ConvertListed(const qcStepTriangles* triangles, const qcPcsReport* pcs)
+{
+    const qcTriangleRef* refs = pcs->triangles.data;
+    const size_t count = pcs->triangles.count, ahead = 8; // two fetches in a row, each about 100 ns
+    const qcBody* bodies = triangles->bodies->slots.data;
+    for (size_t i = 0; i < count + 2 * ahead; i++)
+    {
+        if (i < count)
+            __builtin_prefetch(bodies[refs[i].body].indices + 3 * (size_t)refs[i].triangle);
+        if (i >= ahead && i - ahead < count)
+            qcFloatPositions_FetchTriangle(&bodies[refs[i - ahead].body], refs[i - ahead].triangle);
+        if (i >= 2 * ahead)
+            qcFloatPositions_ConvertTriangle(&bodies[refs[i - 2 * ahead].body], refs[i - 2 * ahead].triangle);
+    }
+}
+
 /// Converts the positions of triangles in candidate pairs, or all where that is less work.
 static void ConvertFloats(const qcStepTriangles* triangles, const qcPcsReport* pcs)
 {
@@ -129,11 +146,7 @@ static void ConvertFloats(const qcStepTriangles* triangles, const qcPcsReport* p
     if (inFloats == 0)
         return;
     if (inRow * pcs->triangles.count < inFloats)
-        for (size_t i = 0; i < pcs->triangles.count; i++)
-        {
-            const qcTriangleRef* ref = &QC_AT(qcTriangleRef, pcs->triangles, i);
-            qcFloatPositions_ConvertTriangle(&QC_AT(qcBody, triangles->bodies->slots, ref->body), ref->triangle);
-        }
+        ConvertListed(triangles, pcs);
     else
         for (uint32_t body = 0; body < triangles->bodyCount; body++)
             qcFloatPositions_Convert(qcStepTriangles_Body(triangles, body));

@@ -36,6 +36,8 @@ void qcFloatPositions_Leave(const qcBody* body);
 /// Brings qcBody::world up to date for all vertices, or for those of a triangle.
 void qcFloatPositions_Convert(const qcBody* body);
 void qcFloatPositions_ConvertTriangle(const qcBody* body, uint32_t triangle);
+/// Fetches into the caches what ConvertTriangle needs.
+void qcFloatPositions_FetchTriangle(const qcBody* body, uint32_t triangle);
 /// The spare positions become the present ones.
 void qcFloatPositions_Replace(qcBody* body);
 /// Before the body is freed.
