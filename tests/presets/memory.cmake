@@ -14,6 +14,6 @@ set(QC_BUILD_DEMOS OFF CACHE BOOL "")
 # The test library, Check, is not built for it either.
 file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR})
 set(writes ${CMAKE_BINARY_DIR}/unpoisoned_writes.o)
-execute_process(COMMAND ${QC_CLANG} -fsanitize=memory -O1 -c ${CMAKE_CURRENT_LIST_DIR}/unpoisoned_writes.c -o ${writes}
+execute_process(COMMAND ${QC_CLANG} -fsanitize=memory -O1 -c ${CMAKE_CURRENT_LIST_DIR}/../support/unpoisoned_writes.c -o ${writes}
   COMMAND_ERROR_IS_FATAL ANY)
 set(CMAKE_EXE_LINKER_FLAGS "-Wl,--wrap=fwrite ${writes}" CACHE STRING "")
