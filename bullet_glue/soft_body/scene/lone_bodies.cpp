@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace
 {
@@ -15,7 +16,7 @@ const btVector3 s_ones(1, 1, 1);
 
 void qcMotionBoxes::Add(const btVector3& lower, const btVector3& upper, bool needsPartner)
 {
-    m_boxes.push_back({lower, upper, m_boxes.size(), needsPartner});
+    m_boxes.push_back({lower, upper, needsPartner});
 }
 
 /// The axis on which the boxes' centres are spread most.
@@ -32,20 +33,28 @@ int qcMotionBoxes::FindAxis() const
 
 void qcMotionBoxes::Find()
 {
+    if (m_boxes == m_foundBoxes)
+        return;
+    m_foundBoxes = m_boxes;
     m_overlaps.assign(m_boxes.size(), 0);
     if (m_boxes.empty())
         return;
     const int axis = FindAxis();
-    std::sort(m_boxes.begin(), m_boxes.end(),
-              [axis](const Box& a, const Box& b) { return a.lower[axis] < b.lower[axis]; });
-    for (size_t i = 0; i < m_boxes.size(); i++)
-        for (size_t k = i + 1; k < m_boxes.size() && m_boxes[k].lower[axis] <= m_boxes[i].upper[axis]; k++)
+    m_order.resize(m_boxes.size());
+    std::iota(m_order.begin(), m_order.end(), size_t(0));
+    std::sort(m_order.begin(), m_order.end(),
+              [this, axis](size_t a, size_t b) { return m_boxes[a].lower[axis] < m_boxes[b].lower[axis]; });
+    for (size_t i = 0; i < m_order.size(); i++)
+    {
+        const Box& a = m_boxes[m_order[i]];
+        for (size_t k = i + 1; k < m_order.size() && m_boxes[m_order[k]].lower[axis] <= a.upper[axis]; k++)
         {
-            const Box &a = m_boxes[i], &b = m_boxes[k];
+            const Box& b = m_boxes[m_order[k]];
             bool mayTouch = !(a.needsPartner && b.needsPartner);
             if (mayTouch && TestAabbAgainstAabb2(a.lower, a.upper, b.lower, b.upper))
-                m_overlaps[a.number] = m_overlaps[b.number] = 1;
+                m_overlaps[m_order[i]] = m_overlaps[m_order[k]] = 1;
         }
+    }
 }
 
 bool qcIsStretchedChain(const std::vector<btVector3>& start, const std::vector<btVector3>& end, btScalar distance)

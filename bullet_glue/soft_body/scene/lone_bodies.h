@@ -19,7 +19,7 @@ class qcMotionBoxes
     /// `needsPartner`: two boxes with this flag are not compared.
     void Add(const btVector3& lower, const btVector3& upper, bool needsPartner);
     /// Finds the boxes that overlap another one. O(n log n) where few of them overlap along the axis on which they are
-    /// spread most.
+    /// spread most; O(n) if the boxes are those of the last call.
     void Find();
     /// Whether the box that was added as number `i` overlaps another one. Valid after Find.
     bool Overlaps(size_t i) const
@@ -31,14 +31,20 @@ class qcMotionBoxes
     struct Box
     {
         btVector3 lower, upper;
-        size_t number;
         bool needsPartner;
+
+        bool operator==(const Box& other) const
+        {
+            return lower == other.lower && upper == other.upper && needsPartner == other.needsPartner;
+        }
     };
 
     int FindAxis() const;
 
-    std::vector<Box> m_boxes;
-    std::vector<char> m_overlaps; ///< by number
+    std::vector<Box> m_boxes;      ///< by number
+    std::vector<Box> m_foundBoxes; ///< of the last Find
+    std::vector<size_t> m_order;   ///< numbers along the axis
+    std::vector<char> m_overlaps;  ///< by number, of the last Find
 };
 
 /// True if the nodes, each linked to the next one, are a chain that runs along one direction: no two links without a

@@ -14,10 +14,10 @@ bool IsDynamic(const btCollisionObject* object)
     return body != nullptr && !body->isStaticOrKinematicObject();
 }
 
-/// Calls function(object) for each object of the broadphases that is not a soft body.
+/// Calls function(object, broadphase) for each object of the broadphases that is not a soft body.
 template <typename Function> struct ObjectCallback : btBroadphaseAabbCallback
 {
-    explicit ObjectCallback(const Function& called) : function(called)
+    ObjectCallback(btBroadphaseInterface* visited, const Function& called) : broadphase(visited), function(called)
     {
     }
 
@@ -25,20 +25,23 @@ template <typename Function> struct ObjectCallback : btBroadphaseAabbCallback
     {
         auto* object = static_cast<btCollisionObject*>(proxy->m_clientObject);
         if (object->getInternalType() != btCollisionObject::CO_SOFT_BODY)
-            function(object);
+            function(object, broadphase);
         return true;
     }
 
+    btBroadphaseInterface* broadphase;
     const Function& function;
 };
 
 template <typename Function>
 void ForEachObject(const std::set<btBroadphaseInterface*>& broadphases, const Function& function)
 {
-    ObjectCallback<Function> callback(function);
     const btVector3 far(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
     for (btBroadphaseInterface* broadphase : broadphases)
+    {
+        ObjectCallback<Function> callback(broadphase, function);
         broadphase->aabbTest(-far, far, callback);
+    }
 }
 } // namespace
 
@@ -78,7 +81,7 @@ void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep)
 void qcObjectStarts::Begin(const std::set<btBroadphaseInterface*>& broadphases)
 {
     ForEachObject(broadphases,
-                  [this](btCollisionObject* object)
+                  [this](btCollisionObject* object, btBroadphaseInterface*)
                   {
                       if (!IsDynamic(object))
                           return;
@@ -93,8 +96,14 @@ void qcObjectStarts::Read(const std::set<btBroadphaseInterface*>& broadphases, b
 {
     m_step++;
     m_count = 0;
+    m_present.clear();
     m_moved.clear();
-    ForEachObject(broadphases, [this, timeStep](btCollisionObject* object) { ReadObject(object, timeStep); });
+    ForEachObject(broadphases,
+                  [this, timeStep](btCollisionObject* object, btBroadphaseInterface* broadphase)
+                  {
+                      m_present.push_back({object, broadphase});
+                      ReadObject(object, timeStep);
+                  });
     for (auto state = m_states.begin(); m_count < m_states.size() && state != m_states.end();)
         state = state->second.step != m_step ? m_states.erase(state) : std::next(state);
 }

@@ -25,6 +25,18 @@ class qcObjectStarts
     const btTransform& StartOf(const btCollisionObject* object) const;
     /// The object's motion ends the step at its present transform. For those that contacts have moved since Read.
     void RecordEnd(const btCollisionObject* object);
+    /// The objects of a step, soft bodies left out, and the broadphase of each.
+    struct Present
+    {
+        btCollisionObject* object;
+        btBroadphaseInterface* broadphase;
+    };
+
+    /// Those that Read has seen. Valid until the next step.
+    const std::vector<Present>& Objects() const
+    {
+        return m_present;
+    }
     /// Calls function(object) for each object whose motion over the step overlaps a box.
     template <typename Function>
     void ForEachMoved(const btVector3& lower, const btVector3& upper, Function function) const
@@ -53,6 +65,7 @@ class qcObjectStarts
     void ReadObject(btCollisionObject* object, btScalar timeStep);
 
     std::unordered_map<qcObjectKey, State, qcObjectKeyHash> m_states;
+    std::vector<Present> m_present;
     std::vector<Moved> m_moved;
     size_t m_count = 0; ///< objects read in this step
     uint64_t m_step = 0;

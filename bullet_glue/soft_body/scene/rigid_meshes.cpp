@@ -13,6 +13,10 @@
 
 namespace
 {
+// Up to so many objects are compared with a soft body's box one by one. A query of the broadphase, which has the other
+// soft bodies too, takes as long as some 200 comparisons (qc-bench soft --demos, 256 sticks).
+constexpr size_t s_maxCompared = 64;
+
 bool AreSame(const std::vector<qcSceneShape>& a, const std::vector<qcSceneShape>& b)
 {
     auto isSame = [](const qcSceneShape& m, const qcSceneShape& n)
@@ -154,6 +158,15 @@ bool qcHasSurfaces(const btCollisionObject* object)
     return object->hasContactResponse() && object->getInternalType() != btCollisionObject::CO_FEATHERSTONE_LINK;
 }
 
+void qcSoftBodyMeshes::ReadMotions(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep)
+{
+    m_starts.Read(broadphases, timeStep);
+    m_candidates.clear();
+    for (const qcObjectStarts::Present& present : m_starts.Objects())
+        if (MayHaveMeshes(present.object, true))
+            m_candidates.push_back(present);
+}
+
 void qcSoftBodyMeshes::CollectOverlapping(btBroadphaseInterface* broadphase, const btVector3& lower,
                                           const btVector3& upper, bool withSurfaces)
 {
@@ -162,7 +175,16 @@ void qcSoftBodyMeshes::CollectOverlapping(btBroadphaseInterface* broadphase, con
         if (MayHaveMeshes(object, withSurfaces))
             m_overlaps.push_back({object, withSurfaces, {lower, upper}});
     };
-    ForEachIn(broadphase, lower, upper, add);
+    if (m_candidates.size() > s_maxCompared)
+        ForEachIn(broadphase, lower, upper, add);
+    else
+        for (const qcObjectStarts::Present& present : m_candidates)
+        {
+            const btBroadphaseProxy* proxy = present.object->getBroadphaseHandle();
+            if (present.broadphase == broadphase &&
+                TestAabbAgainstAabb2(proxy->m_aabbMin, proxy->m_aabbMax, lower, upper))
+                add(present.object);
+        }
     m_starts.ForEachMoved(lower, upper, add);
 }
 

@@ -94,10 +94,7 @@ class qcSoftBodyMeshes
         m_starts.Begin(broadphases);
     }
     /// Reads where all objects start and end the step. Call it before CollectOverlapping.
-    void ReadMotions(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep)
-    {
-        m_starts.Read(broadphases, timeStep);
-    }
+    void ReadMotions(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep);
     /// Collects the objects with meshes whose proxies or motions over the step overlap this box, for the next Sync.
     /// `withSurfaces`: also objects without a qcMeshShape.
     void CollectOverlapping(btBroadphaseInterface* broadphase, const btVector3& lower, const btVector3& upper,
@@ -158,6 +155,7 @@ class qcSoftBodyMeshes
     void RecordEnds();
 
     qcObjectStarts m_starts;
+    std::vector<qcObjectStarts::Present> m_candidates; ///< the objects of the step that may have meshes
     qcSurfaceCache m_surfaces;
     std::vector<Overlap> m_overlaps;
     std::vector<std::unique_ptr<qcSceneRigid>> m_rigids; ///< by unique id: in the order in which they were added

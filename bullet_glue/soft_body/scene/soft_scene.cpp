@@ -41,38 +41,46 @@ bool IsNearEnd(const qcSceneSoftBody& tracked, btVector3 btSoftBody::Node::*star
 {
     if (!tracked.hasEnd || tracked.positions.size() != size_t(tracked.NodeCount()) || tracked.positions.empty())
         return false;
+    const btAlignedObjectArray<btSoftBody::Node>& nodes = tracked.body->m_nodes;
+    size_t same = 0;
+    while (same < tracked.positions.size() && qcAreSame(tracked.positions[same], nodes[int(same)].*start))
+        same++;
+    if (same == tracked.positions.size())
+        return true;
     btVector3 lower = tracked.positions[0], upper = lower;
     btScalar largest = 0;
     for (size_t i = 0; i < tracked.positions.size(); i++)
     {
         lower.setMin(tracked.positions[i]);
         upper.setMax(tracked.positions[i]);
-        largest = std::max(largest, tracked.positions[i].distance2(tracked.body->m_nodes[int(i)].*start));
+        largest = std::max(largest, tracked.positions[i].distance2(nodes[int(i)].*start));
     }
     return 4 * largest <= (upper - lower).length2();
 }
 
-/// The box of a soft body's motion from the start of the step to its solved positions. False: it has no finite box.
-bool BoxOf(const qcSceneSoftBody& tracked, btVector3 box[2])
+/// Reads the positions after Bullet's own solvers, and finds the box of the motion from the start of the step.
+void ReadNodes(qcSceneSoftBody& tracked)
 {
-    if (tracked.NodeCount() == 0)
-        return false;
-    box[0] = box[1] = tracked.start[0];
-    btVector3 sum(0, 0, 0);
+    const btAlignedObjectArray<btSoftBody::Node>& nodes = tracked.body->m_nodes;
+    tracked.solved.resize(size_t(tracked.NodeCount()));
+    tracked.hasSolvedBox = !tracked.solved.empty();
+    if (tracked.solved.empty())
+        return;
+    btVector3 lower = tracked.start[0], upper = lower, sum(0, 0, 0);
     for (size_t i = 0; i < tracked.solved.size(); i++)
     {
-        const btVector3 &start = tracked.start[i], &x = tracked.solved[i];
-        box[0].setMin(start);
-        box[0].setMin(x);
-        box[1].setMax(start);
-        box[1].setMax(x);
+        const btVector3 &start = tracked.start[i], &x = nodes[int(i)].m_x;
+        tracked.solved[i] = x;
+        lower.setMin(start);
+        lower.setMin(x);
+        upper.setMax(start);
+        upper.setMax(x);
         sum += start + x;
     }
-    btVector3 enlargement(tracked.thickness, tracked.thickness, tracked.thickness);
-    box[0] -= enlargement;
-    box[1] += enlargement;
+    tracked.solvedBox[0] = lower;
+    tracked.solvedBox[1] = upper;
     // The scene's query reports a node that is not finite; a broadphase must not get such a box.
-    return std::isfinite(sum.x() + sum.y() + sum.z());
+    tracked.hasSolvedBox = std::isfinite(sum.x() + sum.y() + sum.z());
 }
 } // namespace
 
@@ -148,12 +156,21 @@ void qcSoftBodyScene::ApplyThickness(qcSceneSoftBody& tracked)
     qcScene_SetMargin(m_scene, tracked.id, double(tracked.thickness) / 2);
 }
 
-void qcSoftBodyScene::ApplySettings(qcSceneSoftBody& tracked)
+/// The settings of a body in the world; those that were given before it was added are its own from now on.
+qcSoftBodySettings qcSoftBodyScene::TakeSettings(const qcSceneSoftBody& tracked)
 {
     auto found = m_settings.find(tracked.body);
-    if (found != m_settings.end() && found->second.uniqueId == -1)
-        found->second.uniqueId = tracked.uniqueId;
-    qcSoftBodySettings settings = GetSettings(tracked.body);
+    if (found == m_settings.end())
+        return qcSoftBodySettings();
+    Setting& setting = found->second;
+    if (setting.uniqueId == -1)
+        setting.uniqueId = tracked.uniqueId;
+    return setting.uniqueId == tracked.uniqueId ? setting.settings : qcSoftBodySettings();
+}
+
+void qcSoftBodyScene::ApplySettings(qcSceneSoftBody& tracked)
+{
+    const qcSoftBodySettings settings = TakeSettings(tracked);
     // The previous result has no pairs of sleeping bodies, nor of kinds that were off.
     tracked.startsWhereItEnded = tracked.startsWhereItEnded && tracked.moves == tracked.body->isActive() &&
                                  tracked.settings.selfCollision == settings.selfCollision &&
@@ -256,16 +273,15 @@ qcStatus qcSoftBodyScene::ReadSolved(btScalar timeStep)
     meshes.ReadMotions(broadphases, timeStep);
     for (qcSceneSoftBody& tracked : m_bodies)
     {
-        tracked.solved.resize(size_t(tracked.NodeCount()));
-        for (int i = 0; i < tracked.NodeCount(); i++)
-            tracked.solved[size_t(i)] = tracked.body->m_nodes[i].m_x;
+        ReadNodes(tracked);
         tracked.positions = tracked.solved;
         tracked.shifts.clear();
         tracked.inContact = false;
         const btSoftBodyWorldInfo* info = tracked.body->getWorldInfo();
-        btVector3 box[2];
-        if (tracked.CollidesWithRigidBodies() && info->m_broadphase != nullptr && BoxOf(tracked, box))
-            meshes.CollectOverlapping(info->m_broadphase, box[0], box[1], tracked.CollidesWithSurfaces());
+        const btVector3 around(tracked.thickness, tracked.thickness, tracked.thickness);
+        if (tracked.CollidesWithRigidBodies() && info->m_broadphase != nullptr && tracked.hasSolvedBox)
+            meshes.CollectOverlapping(info->m_broadphase, tracked.solvedBox[0] - around, tracked.solvedBox[1] + around,
+                                      tracked.CollidesWithSurfaces());
     }
     return meshes.Sync(m_scene);
 }
@@ -276,6 +292,21 @@ bool qcSoftBodyScene::AreAllAlone() const
 {
     auto isAlone = [](const qcSceneSoftBody& tracked) { return tracked.isAlone; };
     return !m_bodies.empty() && std::all_of(m_bodies.begin(), m_bodies.end(), isAlone);
+}
+
+/// Adds the box of a body's motion up to the present positions; a body that is not finite has a partner.
+void qcSoftBodyScene::AddMotionBox(qcSceneSoftBody& tracked, btScalar reach)
+{
+    const bool isSolved = tracked.IsSolved();
+    btVector3 box[2] = {tracked.solvedBox[0], tracked.solvedBox[1]};
+    if (isSolved)
+        qcEnlarge(reach, box);
+    // The scene's query reports a node that is not finite.
+    tracked.hasPartner =
+        isSolved ? !tracked.hasSolvedBox : !qcFindMotionBox(tracked.start, tracked.positions, reach, box);
+    if (tracked.hasPartner)
+        box[1] = -(box[0] = btVector3(-BT_LARGE_FLOAT, -BT_LARGE_FLOAT, -BT_LARGE_FLOAT));
+    m_boxes.Add(box[0], box[1], false);
 }
 
 /// Finds which bodies may come near another soft body or a mesh over the step. Where none can be left out of queries,
@@ -293,19 +324,26 @@ void qcSoftBodyScene::FindPartners(bool mayLeaveOut)
     const btScalar reach = ContactDistance() / 2;
     m_boxes.Clear();
     for (qcSceneSoftBody& tracked : m_bodies)
-    {
-        btVector3 box[2];
-        // The scene's query reports a node that is not finite.
-        tracked.hasPartner = !qcFindMotionBox(tracked.start, tracked.positions, reach, box);
-        if (tracked.hasPartner)
-            box[1] = -(box[0] = btVector3(-BT_LARGE_FLOAT, -BT_LARGE_FLOAT, -BT_LARGE_FLOAT));
-        m_boxes.Add(box[0], box[1], false);
-    }
+        AddMotionBox(tracked, reach);
     meshes.AddMotionBoxes(reach, &m_boxes);
     m_boxes.Find();
     for (size_t i = 0; i < m_bodies.size(); i++)
         m_bodies[i].hasPartner = m_bodies[i].hasPartner || m_boxes.Overlaps(i);
 }
+
+namespace
+{
+/// True if a chain runs along one direction over its motion. `starts`: its positions are those after Bullet's solvers.
+bool IsStretched(qcSceneSoftBody& chain, bool starts)
+{
+    if (!starts && chain.IsSolved())
+        return chain.isSolvedStretched;
+    const bool isStretched = qcIsStretchedChain(chain.start, chain.positions, chain.thickness);
+    if (starts)
+        chain.isSolvedStretched = isStretched;
+    return isStretched;
+}
+} // namespace
 
 /// Finds the bodies that are alone: at the start of the step (`starts`), or those that still are. True: one that was
 /// is no longer.
@@ -318,8 +356,8 @@ bool qcSoftBodyScene::FindLone(bool starts)
     for (qcSceneSoftBody& tracked : m_bodies)
     {
         const bool wasAlone = tracked.isAlone, wasApart = tracked.isApart;
-        tracked.isApart = mayLeaveOut && tracked.topology.isChain &&
-                          qcIsStretchedChain(tracked.start, tracked.positions, tracked.thickness);
+        tracked.isApart =
+            mayLeaveOut && tracked.topology.isChain && tracked.settings.selfCollision && IsStretched(tracked, starts);
         tracked.isAlone = mayLeaveOut && !tracked.hasPartner && (starts || wasAlone) &&
                           (tracked.isApart || !tracked.settings.selfCollision);
         isFound = isFound || (wasAlone && !tracked.isAlone);

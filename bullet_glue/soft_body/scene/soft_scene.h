@@ -8,6 +8,7 @@
 
 #include "quickcullide/bullet_soft_body.h"
 
+#include <cstring>
 #include <functional>
 #include <map>
 #include <utility>
@@ -46,6 +47,9 @@ struct qcSceneSoftBody
     /// elsewhere, and starts there.
     std::vector<btVector3> start;
     std::vector<btVector3> solved;    ///< after Bullet's own solvers
+    btVector3 solvedBox[2];           ///< around `start` and `solved`
+    bool hasSolvedBox = false;        ///< there are nodes, and all are finite
+    bool isSolvedStretched = false;   ///< qcIsStretchedChain from `start` to `solved`
     std::vector<btVector3> positions; ///< after contacts so far; copied to Bullet's nodes at the end of the step
     /// The parts of the positions that untangling added in this step; they give no velocity. Empty: none.
     std::vector<btVector3> shifts;
@@ -80,6 +84,12 @@ struct qcSceneSoftBody
         for (size_t i = 0; i < positions.size(); i++)
             if (positions[i] != solved[i])
                 function(int(i));
+    }
+    /// True if contacts have moved no node so far.
+    bool IsSolved() const
+    {
+        return positions.empty() ||
+               std::memcmp(positions.data(), solved.data(), positions.size() * sizeof(btVector3)) == 0;
     }
     /// 0: contacts don't move the node.
     btScalar InverseMass(uint32_t node) const
@@ -182,9 +192,11 @@ class qcSoftBodyScene
     qcStatus Track(btSoftBody* body);
     void UntrackRemoved(const btAlignedObjectArray<btSoftBody*>& bodies);
     void ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::Node::*start);
+    qcSoftBodySettings TakeSettings(const qcSceneSoftBody& tracked);
     void ApplySettings(qcSceneSoftBody& tracked);
     void ApplyFilters(const qcSceneSoftBody& tracked);
     void ApplyThickness(qcSceneSoftBody& tracked);
+    void AddMotionBox(qcSceneSoftBody& tracked, btScalar reach);
     void FindPartners(bool mayLeaveOut);
     bool FindLone(bool starts);
     bool AreAllAlone() const;
