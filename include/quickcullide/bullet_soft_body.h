@@ -170,7 +170,7 @@ class QC_API qcSoftBodyContact
     /// and again only after this call. Scaling and margins are detected without it.
     void updateShape(const btCollisionShape* shape);
 
-    /// Threads of the queries; 0, the default: one per core.
+    /// Threads of the queries; 0, the default: one per core. Queries that take less than a millisecond run on one.
     void setThreadCount(unsigned threads);
     /// The method of the queries; qc_methodAuto by default. It changes the cost, not the simulation. `cullide` and
     /// `quick` have no contacts: each step then keeps Bullet's own positions, with status qc_statusBadInput.

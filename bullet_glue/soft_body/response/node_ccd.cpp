@@ -8,6 +8,7 @@
 #include "common/object_motion.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
+#include <LinearMath/btAabbUtil2.h>
 #include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
@@ -155,48 +156,81 @@ void AddNodeCcd(qcSceneSoftBody& soft, qcSceneRigid& rigid, const qcSceneMesh& m
     }
 }
 
-void AddLinkCcd(qcSceneSoftBody& soft, const uint32_t ends[2], qcSceneRigid& rigid, const qcSceneMesh& mesh,
-                std::vector<qcSoftConstraint>* constraints)
+/// Appends constraints for the rope links that went through the mesh.
+void AddLinksCcd(qcSceneSoftBody& soft, qcSceneRigid& rigid, const qcSceneMesh& mesh,
+                 std::vector<qcSoftConstraint>* constraints)
 {
-    const uint32_t vertices[3] = {ends[0], ends[1], ends[1]};
-    if (soft.IsAnchored(vertices, rigid.object))
-        return;
-    btTransform from = (rigid.start * mesh.local).inverse(), now = rigid.object->getWorldTransform();
-    btTransform to = (now * mesh.local).inverse();
-    const btVector3 start[2] = {from * soft.start[ends[0]], from * soft.start[ends[1]]};
-    const btVector3 end[2] = {to * soft.positions[ends[0]], to * soft.positions[ends[1]]};
-    btVector3 lower = start[0], upper = start[0];
-    for (const btVector3& p : {start[1], end[0], end[1]})
+    const qcSoftTopology& topology = soft.topology;
+    const btTransform from = (rigid.start * mesh.local).inverse(), now = rigid.object->getWorldTransform();
+    const btTransform to = (now * mesh.local).inverse();
+    for (size_t i = topology.faceCount; i < topology.faceCount + topology.ropeCount; i++)
     {
-        lower.setMin(p);
-        upper.setMax(p);
+        const uint32_t vertices[3] = {topology.indices[3 * i], topology.indices[3 * i + 1],
+                                      topology.indices[3 * i + 1]};
+        const btVector3 start[2] = {from * soft.start[vertices[0]], from * soft.start[vertices[1]]};
+        const btVector3 end[2] = {to * soft.positions[vertices[0]], to * soft.positions[vertices[1]]};
+        btVector3 lower = start[0], upper = start[0];
+        for (const btVector3& p : {start[1], end[0], end[1]})
+        {
+            lower.setMin(p);
+            upper.setMax(p);
+        }
+        if (soft.IsAnchored(vertices, rigid.object))
+            continue;
+        FirstCrossing crossing(start, end);
+        mesh.shape->processAllTriangles(&crossing, lower, upper);
+        if (crossing.time > 1)
+            continue;
+        const double weights[3] = {1 - double(crossing.onLink), double(crossing.onLink), 0};
+        qcSoftConstraint constraint;
+        if (qcMakeMeshConstraint(soft, vertices, weights, rigid, mesh.local * crossing.point,
+                                 now.getBasis() * (mesh.local.getBasis() * crossing.normal),
+                                 mesh.ContactDistance(soft.thickness), &constraint))
+            constraints->push_back(constraint);
     }
-    FirstCrossing crossing(start, end);
-    mesh.shape->processAllTriangles(&crossing, lower, upper);
-    if (crossing.time > 1)
-        return;
-    const double weights[3] = {1 - double(crossing.onLink), double(crossing.onLink), 0};
-    qcSoftConstraint constraint;
-    if (qcMakeMeshConstraint(soft, vertices, weights, rigid, mesh.local * crossing.point,
-                             now.getBasis() * (mesh.local.getBasis() * crossing.normal),
-                             mesh.ContactDistance(soft.thickness), &constraint))
-        constraints->push_back(constraint);
+}
+
+/// A mesh, and the box of its motion.
+struct MovingMesh
+{
+    qcSceneRigid* rigid;
+    const qcSceneMesh* mesh;
+    btVector3 box[2];
+};
+
+std::vector<MovingMesh> MovingMeshes(const qcSoftBodyScene& scene)
+{
+    std::vector<MovingMesh> meshes;
+    for (const std::unique_ptr<qcSceneRigid>& rigid : scene.meshes.Rigids())
+        for (const qcSceneMesh& mesh : rigid->meshes)
+        {
+            meshes.push_back({rigid.get(), &mesh, {}});
+            rigid->FindMotionBox(mesh, meshes.back().box);
+        }
+    return meshes;
+}
+
+/// Calls function(mesh) for each mesh that the soft body may pass and that responds to it. Where the boxes of both
+/// motions are apart, they pass each other nowhere.
+template <typename Function>
+void ForEachNear(const qcSceneSoftBody& soft, const std::vector<MovingMesh>& meshes, const Function& function)
+{
+    btVector3 box[2];
+    const bool isFinite = soft.FindMotionBox(0, box);
+    for (const MovingMesh& moving : meshes)
+        if ((!isFinite || TestAabbAgainstAabb2(box[0], box[1], moving.box[0], moving.box[1])) &&
+            qcHasResponse(soft, *moving.rigid, *moving.mesh))
+            function(moving);
 }
 } // namespace
 
 void qcAddLinkCcdConstraints(qcSoftBodyScene& scene, std::vector<qcSoftConstraint>* constraints)
 {
+    const std::vector<MovingMesh> meshes = MovingMeshes(scene);
     for (qcSceneSoftBody& soft : scene.Bodies())
-        for (const std::unique_ptr<qcSceneRigid>& rigid : scene.meshes.Rigids())
-        {
-            const qcSoftTopology& topology = soft.topology;
-            if (topology.ropeCount == 0 || !soft.hasPartner)
-                continue;
-            for (const qcSceneMesh& mesh : rigid->meshes)
-                for (size_t i = topology.faceCount;
-                     qcHasResponse(soft, *rigid, mesh) && i < topology.faceCount + topology.ropeCount; i++)
-                    AddLinkCcd(soft, &topology.indices[3 * i], *rigid, mesh, constraints);
-        }
+        if (soft.topology.ropeCount > 0 && soft.hasPartner)
+            ForEachNear(soft, meshes,
+                        [&](const MovingMesh& moving) { AddLinksCcd(soft, *moving.rigid, *moving.mesh, constraints); });
 }
 
 void qcMakeNodeCcdConstraints(qcSoftBodyScene& scene, std::vector<qcSoftConstraint>* constraints)
@@ -205,23 +239,22 @@ void qcMakeNodeCcdConstraints(qcSoftBodyScene& scene, std::vector<qcSoftConstrai
     if (scene.meshes.Rigids().empty())
         return;
     BT_PROFILE("qcSoftBodyContact sweep");
+    const std::vector<MovingMesh> meshes = MovingMeshes(scene);
     for (qcSceneSoftBody& soft : scene.Bodies())
     {
         if (!soft.hasPartner)
             continue;
-        btScalar softMotion = MaxMotionOf(soft);
-        for (const std::unique_ptr<qcSceneRigid>& rigid : scene.meshes.Rigids())
-        {
-            for (const qcSceneMesh& mesh : rigid->meshes)
-            {
-                if (!qcHasResponse(soft, *rigid, mesh))
-                    continue;
-                btScalar distance = mesh.ContactDistance(soft.thickness);
-                btScalar motion = qcMaxDisplacement(mesh.shape, rigid->start * mesh.local,
-                                                    rigid->object->getWorldTransform() * mesh.local);
-                if (softMotion + motion > distance)
-                    AddNodeCcd(soft, *rigid, mesh, distance, constraints);
-            }
-        }
+        const btScalar softMotion = MaxMotionOf(soft);
+        ForEachNear(soft, meshes,
+                    [&](const MovingMesh& moving)
+                    {
+                        qcSceneRigid& rigid = *moving.rigid;
+                        const qcSceneMesh& mesh = *moving.mesh;
+                        btScalar distance = mesh.ContactDistance(soft.thickness);
+                        btScalar motion = qcMaxDisplacement(mesh.shape, rigid.start * mesh.local,
+                                                            rigid.object->getWorldTransform() * mesh.local);
+                        if (softMotion + motion > distance)
+                            AddNodeCcd(soft, rigid, mesh, distance, constraints);
+                    });
     }
 }

@@ -153,6 +153,15 @@ btTransform qcSceneRigid::MotionTo(const btTransform& transform) const
     return transform == start ? btTransform::getIdentity() : transform * start.inverse();
 }
 
+void qcSceneRigid::FindMotionBox(const qcSceneMesh& mesh, btVector3 box[2]) const
+{
+    btVector3 present[2];
+    mesh.shape->getAabb(start * mesh.local, box[0], box[1]);
+    mesh.shape->getAabb(object->getWorldTransform() * mesh.local, present[0], present[1]);
+    box[0].setMin(present[0]);
+    box[1].setMax(present[1]);
+}
+
 bool qcHasSurfaces(const btCollisionObject* object)
 {
     return object->hasContactResponse() && object->getInternalType() != btCollisionObject::CO_FEATHERSTONE_LINK;
@@ -401,11 +410,8 @@ void qcSoftBodyMeshes::AddMotionBoxes(btScalar reach, qcMotionBoxes* boxes) cons
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
         for (const qcSceneMesh& mesh : rigid->meshes)
         {
-            btVector3 box[2], end[2];
-            mesh.shape->getAabb(rigid->start * mesh.local, box[0], box[1]);
-            mesh.shape->getAabb(rigid->object->getWorldTransform() * mesh.local, end[0], end[1]);
-            box[0].setMin(end[0]);
-            box[1].setMax(end[1]);
+            btVector3 box[2];
+            rigid->FindMotionBox(mesh, box);
             qcEnlarge(reach, box);
             boxes->Add(box[0], box[1], true);
         }

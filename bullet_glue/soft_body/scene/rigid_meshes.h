@@ -79,6 +79,8 @@ struct qcSceneRigid
     bool IsFree() const;
     /// The motion from the start of the step to another transform; the identity, exactly, if these are equal.
     btTransform MotionTo(const btTransform& transform) const;
+    /// The box of the motion of one of its meshes, from the start of the step to the present.
+    void FindMotionBox(const qcSceneMesh& mesh, btVector3 box[2]) const;
 };
 
 /// True if the surfaces of the object's shapes collide with soft bodies: false for links of multibodies and for objects

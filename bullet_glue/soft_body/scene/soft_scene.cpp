@@ -12,6 +12,11 @@
 
 namespace
 {
+// A query that takes less stays on one thread. Waking another one costs 10 to 50 microseconds, twice in a step and
+// where the core is busy with something else more; with less work than this it gives nothing back (qc-bench soft
+// --demos: bunnies and cloths take a tenth to a quarter less).
+constexpr double s_threadedMs = 1;
+
 /// Pins the nodes that Bullet itself places at the end of each step: at their anchors, or by the reduced model.
 void FindPinned(qcSceneSoftBody& tracked)
 {
@@ -91,6 +96,16 @@ bool qcCollidesWithSurfaces(const btSoftBody* body, const qcSoftBodySettings& se
     const int flags = body->m_cfg.collisions;
     return (flags & Collision::RVSmask) != 0 && (flags & Collision::CL_RS) == 0 && !settings.bulletNodeContacts &&
            !body->m_reducedModel;
+}
+
+bool qcSceneSoftBody::FindMotionBox(btScalar reach, btVector3 box[2]) const
+{
+    if (!IsSolved())
+        return qcFindMotionBox(start, positions, reach, box);
+    box[0] = solvedBox[0];
+    box[1] = solvedBox[1];
+    qcEnlarge(reach, box);
+    return hasSolvedBox;
 }
 
 qcSoftBodyScene::qcSoftBodyScene(qcDevice* device) : m_device(device)
@@ -297,13 +312,9 @@ bool qcSoftBodyScene::AreAllAlone() const
 /// Adds the box of a body's motion up to the present positions; a body that is not finite has a partner.
 void qcSoftBodyScene::AddMotionBox(qcSceneSoftBody& tracked, btScalar reach)
 {
-    const bool isSolved = tracked.IsSolved();
-    btVector3 box[2] = {tracked.solvedBox[0], tracked.solvedBox[1]};
-    if (isSolved)
-        qcEnlarge(reach, box);
+    btVector3 box[2];
     // The scene's query reports a node that is not finite.
-    tracked.hasPartner =
-        isSolved ? !tracked.hasSolvedBox : !qcFindMotionBox(tracked.start, tracked.positions, reach, box);
+    tracked.hasPartner = !tracked.FindMotionBox(reach, box);
     if (tracked.hasPartner)
         box[1] = -(box[0] = btVector3(-BT_LARGE_FLOAT, -BT_LARGE_FLOAT, -BT_LARGE_FLOAT));
     m_boxes.Add(box[0], box[1], false);
@@ -446,6 +457,16 @@ bool qcSoftBodyScene::StartsWhereStepEnded() const
     return std::all_of(m_bodies.begin(), m_bodies.end(), startsThere) && meshes.StartWhereTheyEnded();
 }
 
+/// Runs a query; `ms`: of the last one of its kind.
+qcStatus qcSoftBodyScene::Run(qcDetectDef* def, double* ms, const qcResult** result)
+{
+    def->threads = *ms < s_threadedMs ? 1 : threads;
+    const qcStatus status = qcScene_Detect(m_scene, def, result);
+    if (status == qc_statusOk)
+        *ms = (*result)->profile.totalMs;
+    return status;
+}
+
 qcStatus qcSoftBodyScene::Detect(btScalar contactMargin, const qcResult** result)
 {
     if (AreAllAlone())
@@ -458,8 +479,7 @@ qcStatus qcSoftBodyScene::Detect(btScalar contactMargin, const qcResult** result
     def.contactMargin = double(contactMargin);
     def.nearestContacts = true;
     def.candidates = reportsCandidates;
-    def.threads = threads;
-    return qcScene_Detect(m_scene, &def, result);
+    return Run(&def, contactMargin > 0 ? &m_contactMs : &m_pairMs, result);
 }
 
 qcStatus qcSoftBodyScene::DetectWithin(btScalar margin, const qcResult** result)
@@ -468,8 +488,7 @@ qcStatus qcSoftBodyScene::DetectWithin(btScalar margin, const qcResult** result)
     def.method = method;
     def.margin = double(margin);
     def.touching = true;
-    def.threads = threads;
-    return qcScene_Detect(m_scene, &def, result);
+    return Run(&def, &m_pairMs, result);
 }
 
 qcStatus qcSoftBodyScene::SetSelfCollision(const std::vector<qcBodyId>& bodies, bool selfCollision)
@@ -504,14 +523,13 @@ qcStatus qcSoftBodyScene::DetectMotion(const std::function<bool(uint32_t, uint32
     def.method = method;
     def.motion = true;
     def.proximities = true;
-    def.threads = threads;
     def.pairFilterContext = const_cast<void*>(static_cast<const void*>(&isProven));
     if (m_bodies.size() > 1)
         def.pairFilter = [](void* context, uint32_t slotA, uint32_t slotB)
         { return !(*static_cast<const std::function<bool(uint32_t, uint32_t)>*>(context))(slotA, slotB); };
     qcStatus status = SetSelfCollision(m_provenWithin, false);
     if (status == qc_statusOk)
-        status = qcScene_Detect(m_scene, &def, result);
+        status = Run(&def, &m_motionMs, result);
     return std::max(status, SetSelfCollision(m_provenWithin, true));
 }
 

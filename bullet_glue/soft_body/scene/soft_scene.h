@@ -8,6 +8,7 @@
 
 #include "quickcullide/bullet_soft_body.h"
 
+#include <cfloat>
 #include <cstring>
 #include <functional>
 #include <map>
@@ -91,6 +92,9 @@ struct qcSceneSoftBody
         return positions.empty() ||
                std::memcmp(positions.data(), solved.data(), positions.size() * sizeof(btVector3)) == 0;
     }
+    /// The box of the motion to the present positions, enlarged by `reach`. False: a node is not finite, or there is
+    /// none.
+    bool FindMotionBox(btScalar reach, btVector3 box[2]) const;
     /// 0: contacts don't move the node.
     btScalar InverseMass(uint32_t node) const
     {
@@ -202,6 +206,7 @@ class qcSoftBodyScene
     bool AreAllAlone() const;
     qcStatus MarkStarts(bool areThere);
     qcStatus SetVertices(qcSceneSoftBody& tracked, const std::vector<btVector3>& positions);
+    qcStatus Run(qcDetectDef* def, double* ms, const qcResult** result);
     qcStatus SetSelfCollision(const std::vector<qcBodyId>& bodies, bool selfCollision);
 
     qcDevice* m_device;
@@ -212,6 +217,8 @@ class qcSoftBodyScene
     std::vector<qcBodyId> m_provenWithin; ///< scratch of DetectMotion
     qcMotionBoxes m_boxes;                ///< scratch of FindPartners
     qcResult m_noPairs{};
+    /// Milliseconds of the last query for contacts, for pairs within a margin, and over a motion.
+    double m_contactMs = DBL_MAX, m_pairMs = DBL_MAX, m_motionMs = DBL_MAX;
 };
 
 #endif
