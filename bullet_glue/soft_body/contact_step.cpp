@@ -63,8 +63,8 @@ void qcSoftBodyContact::Implementation::AddProfile()
     statistics.contactMs += profile.contactMs;
 }
 
-/// Fills m_result for the present positions.
-qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin)
+/// Fills m_result for the present positions by a query, detect().
+template <typename Function> qcStatus qcSoftBodyContact::Implementation::Query(const Function& detect)
 {
     BT_PROFILE("qcSoftBodyContact detect");
     double begin = qcNowMs();
@@ -72,7 +72,7 @@ qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin)
     double gathered = qcNowMs();
     statistics.gatherMs += gathered - begin;
     if (status == qc_statusOk)
-        status = scene.Detect(contactMargin, &m_result);
+        status = detect();
     statistics.detectMs += qcNowMs() - gathered;
     if (status != qc_statusOk)
         return status;
@@ -85,6 +85,21 @@ qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin)
     statistics.remaining = int(std::count_if(m_result->pairs, m_result->pairs + m_result->pairCount, hasResponse));
     m_isDetected = true;
     return qc_statusOk;
+}
+
+/// Finds pairs that penetrate and, with a margin, contacts.
+qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin)
+{
+    return Query([&] { return scene.Detect(contactMargin, &m_result); });
+}
+
+/// Finds the pairs that penetrate, but for those that the last query for contacts and the motion since prove apart.
+qcStatus qcSoftBodyContact::Implementation::DetectEnd()
+{
+    for (const qcSceneSoftBody& soft : scene.Bodies())
+        m_clearance.MeasureEnd(soft.id.slot, soft.positions);
+    auto isApart = [this](uint32_t slotA, uint32_t slotB) { return m_clearance.AreApartAtEnd(slotA, slotB); };
+    return Query([&] { return scene.DetectPenetrating(isApart, &m_result); });
 }
 
 /// Projects positions and meshes onto m_constraints.
@@ -203,7 +218,7 @@ qcStatus qcSoftBodyContact::Implementation::ReadEnd()
         statistics.remaining = 0;
         return qc_statusOk;
     }
-    qcStatus status = m_isDetected ? qc_statusOk : Detect(0);
+    qcStatus status = m_isDetected ? qc_statusOk : DetectEnd();
     if (status != qc_statusOk)
         return status;
     m_tangles.Read(scene, *m_result);

@@ -48,7 +48,9 @@ struct qcSoftBodyContact::Implementation
     void DrawCandidatePairs(qcLiveObjects& liveObjects, btIDebugDraw* drawer);
     void DrawPlanes(qcLiveObjects& liveObjects, btIDebugDraw* drawer);
     bool FindTriangle(uint32_t slot, uint32_t triangle, qcLiveObjects& liveObjects, btVector3 corners[3]);
+    template <typename Function> qcStatus Query(const Function& detect);
     qcStatus Detect(btScalar contactMargin);
+    qcStatus DetectEnd();
     void AddProfile();
     void SolveConstraints();
     qcStatus FindTangles();

@@ -30,8 +30,9 @@ void RunSolvers(btSoftBody* body, const btSoftBody::tPSolverArray& sequence, int
             btSoftBody::getSolver(sequence[i])(body, 1, ramps ? btScalar(iteration) / btScalar(iterations) : 0);
 }
 
-/// The same steps as btSoftBody::solveConstraints, and to the last bit the same result, without the two arrays that it
-/// allocates and clears twice for clusters that the body doesn't have: a tenth of Bullet's step with small bodies.
+/// Takes the steps of btSoftBody::solveConstraints, with the same result to the last bit, but without the two arrays
+/// that Bullet allocates and clears twice for clusters that the body doesn't have: a tenth of its step with small
+/// bodies.
 void SolvePositions(btSoftBody* body)
 {
     btSoftBody::tNodeArray& nodes = body->m_nodes;

@@ -66,11 +66,17 @@ void qcSoftClearance::MeasureEnd(uint32_t slot, const std::vector<btVector3>& po
 
 bool qcSoftClearance::KeepsApart(uint32_t slotA, uint32_t slotB) const
 {
+    if (!AreApartAtEnd(slotA, slotB))
+        return false;
+    const Body &a = m_bodies[slotA], &b = m_bodies[slotB];
+    return IsWithin(a.toStart, b.toStart, (a.thickness + b.thickness) / 2);
+}
+
+bool qcSoftClearance::AreApartAtEnd(uint32_t slotA, uint32_t slotB) const
+{
     if (std::max(slotA, slotB) >= m_bodies.size())
         return false;
     const Body &a = m_bodies[slotA], &b = m_bodies[slotB];
-    btScalar distance = (a.thickness + b.thickness) / 2;
-    return a.thickness > 0 && b.thickness > 0 && IsWithin(a.toStart, b.toStart, distance) &&
-           IsWithin(a.toEnd, b.toEnd, distance) &&
+    return a.thickness > 0 && b.thickness > 0 && IsWithin(a.toEnd, b.toEnd, (a.thickness + b.thickness) / 2) &&
            !std::binary_search(m_near.begin(), m_near.end(), SlotPair(std::minmax(slotA, slotB)));
 }

@@ -28,6 +28,8 @@ class qcSoftClearance
     /// True if no triangles of the two bodies (or of one with itself) without a common node meet between the start of
     /// the step and the measured end. False for a slot that is not recorded.
     bool KeepsApart(uint32_t slotA, uint32_t slotB) const;
+    /// True if none of these triangles meet at the measured end.
+    bool AreApartAtEnd(uint32_t slotA, uint32_t slotB) const;
 
   private:
     using SlotPair = std::pair<uint32_t, uint32_t>; ///< the smaller one first

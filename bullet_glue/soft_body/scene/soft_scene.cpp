@@ -499,22 +499,42 @@ qcStatus qcSoftBodyScene::SetSelfCollision(const std::vector<qcBodyId>& bodies, 
     return status;
 }
 
-qcStatus qcSoftBodyScene::DetectMotion(const std::function<bool(uint32_t, uint32_t)>& isProven, const qcResult** result)
+/// Runs a query without the bodies, and pairs of bodies, for which a function is true. Bodies without a partner have no
+/// pairs with others.
+qcStatus qcSoftBodyScene::RunWithout(const BodyPairTest& isLeftOut, qcDetectDef* def, double* ms,
+                                     const qcResult** result)
 {
-    m_provenWithin.clear();
-    bool hasPartners = false, isProvenWithin = true;
+    m_leftOutWithin.clear();
+    bool hasPartners = false, isLeftOutWithin = true;
     for (const qcSceneSoftBody& tracked : m_bodies)
     {
         hasPartners = hasPartners || tracked.hasPartner;
         if (tracked.moves && tracked.settings.selfCollision && !tracked.isApart)
         {
-            bool proven = isProven(tracked.id.slot, tracked.id.slot);
-            isProvenWithin = isProvenWithin && proven;
-            if (proven)
-                m_provenWithin.push_back(tracked.id);
+            bool leftOut = isLeftOut(tracked.id.slot, tracked.id.slot);
+            isLeftOutWithin = isLeftOutWithin && leftOut;
+            if (leftOut)
+                m_leftOutWithin.push_back(tracked.id);
         }
     }
-    if ((!hasPartners && isProvenWithin) || IsDiscrete())
+    if (!hasPartners && isLeftOutWithin)
+    {
+        *result = &m_noPairs;
+        return qc_statusOk;
+    }
+    def->pairFilterContext = const_cast<void*>(static_cast<const void*>(&isLeftOut));
+    if (m_bodies.size() > 1)
+        def->pairFilter = [](void* context, uint32_t slotA, uint32_t slotB)
+        { return !(*static_cast<const BodyPairTest*>(context))(slotA, slotB); };
+    qcStatus status = SetSelfCollision(m_leftOutWithin, false);
+    if (status == qc_statusOk)
+        status = Run(def, ms, result);
+    return std::max(status, SetSelfCollision(m_leftOutWithin, true));
+}
+
+qcStatus qcSoftBodyScene::DetectMotion(const BodyPairTest& isProven, const qcResult** result)
+{
+    if (IsDiscrete())
     {
         *result = &m_noPairs;
         return qc_statusOk;
@@ -523,14 +543,14 @@ qcStatus qcSoftBodyScene::DetectMotion(const std::function<bool(uint32_t, uint32
     def.method = method;
     def.motion = true;
     def.proximities = true;
-    def.pairFilterContext = const_cast<void*>(static_cast<const void*>(&isProven));
-    if (m_bodies.size() > 1)
-        def.pairFilter = [](void* context, uint32_t slotA, uint32_t slotB)
-        { return !(*static_cast<const std::function<bool(uint32_t, uint32_t)>*>(context))(slotA, slotB); };
-    qcStatus status = SetSelfCollision(m_provenWithin, false);
-    if (status == qc_statusOk)
-        status = Run(&def, &m_motionMs, result);
-    return std::max(status, SetSelfCollision(m_provenWithin, true));
+    return RunWithout(isProven, &def, &m_motionMs, result);
+}
+
+qcStatus qcSoftBodyScene::DetectPenetrating(const BodyPairTest& isApart, const qcResult** result)
+{
+    qcDetectDef def = qcProfiledDetectDef();
+    def.method = method;
+    return RunWithout(isApart, &def, &m_pairMs, result);
 }
 
 qcSceneSoftBody* qcSoftBodyScene::Find(uint32_t slot)

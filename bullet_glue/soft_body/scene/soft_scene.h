@@ -123,6 +123,8 @@ struct qcSceneSoftBody
 class qcSoftBodyScene
 {
   public:
+    using BodyPairTest = std::function<bool(uint32_t, uint32_t)>; ///< of the slots of two bodies, or twice of one
+
     /// `device` may be null; it must outlive the scene.
     explicit qcSoftBodyScene(qcDevice* device);
     ~qcSoftBodyScene();
@@ -163,7 +165,10 @@ class qcSoftBodyScene
     /// Finds the pairs that are not proven apart from the start of the step to the present positions, with proximities
     /// of the start. Pairs of bodies (or of one with itself) for which isProven(slot, slot) is true are left out; it
     /// may be called on several threads.
-    qcStatus DetectMotion(const std::function<bool(uint32_t, uint32_t)>& isProven, const qcResult** result);
+    qcStatus DetectMotion(const BodyPairTest& isProven, const qcResult** result);
+    /// Finds the pairs that penetrate in the present positions. Pairs of bodies for which isApart(slot, slot) is true
+    /// are left out, as for DetectMotion.
+    qcStatus DetectPenetrating(const BodyPairTest& isApart, const qcResult** result);
 
     /// The soft body of a slot, or null.
     qcSceneSoftBody* Find(uint32_t slot);
@@ -206,6 +211,7 @@ class qcSoftBodyScene
     bool AreAllAlone() const;
     qcStatus MarkStarts(bool areThere);
     qcStatus SetVertices(qcSceneSoftBody& tracked, const std::vector<btVector3>& positions);
+    qcStatus RunWithout(const BodyPairTest& isLeftOut, qcDetectDef* def, double* ms, const qcResult** result);
     qcStatus Run(qcDetectDef* def, double* ms, const qcResult** result);
     qcStatus SetSelfCollision(const std::vector<qcBodyId>& bodies, bool selfCollision);
 
@@ -214,8 +220,8 @@ class qcSoftBodyScene
     std::vector<qcSceneSoftBody> m_bodies;
     std::vector<size_t> m_bodyOfSlot;
     std::map<const btSoftBody*, Setting> m_settings;
-    std::vector<qcBodyId> m_provenWithin; ///< scratch of DetectMotion
-    qcMotionBoxes m_boxes;                ///< scratch of FindPartners
+    std::vector<qcBodyId> m_leftOutWithin; ///< scratch of RunWithout
+    qcMotionBoxes m_boxes;                 ///< scratch of FindPartners
     qcResult m_noPairs{};
     /// Milliseconds of the last query for contacts, for pairs within a margin, and over a motion.
     double m_contactMs = DBL_MAX, m_pairMs = DBL_MAX, m_motionMs = DBL_MAX;
