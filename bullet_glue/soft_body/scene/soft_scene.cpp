@@ -457,13 +457,14 @@ bool qcSoftBodyScene::StartsWhereStepEnded() const
     return std::all_of(m_bodies.begin(), m_bodies.end(), startsThere) && meshes.StartWhereTheyEnded();
 }
 
-/// Runs a query; `ms`: of the last one of its kind.
+/// Runs a query; `ms`: of those of its kind so far, as m_contactMs.
 qcStatus qcSoftBodyScene::Run(qcDetectDef* def, double* ms, const qcResult** result)
 {
     def->threads = *ms < s_threadedMs ? 1 : threads;
     const qcStatus status = qcScene_Detect(m_scene, def, result);
+    // A single query that the system interrupts does not decide about the next.
     if (status == qc_statusOk)
-        *ms = (*result)->profile.totalMs;
+        *ms = std::min((*result)->profile.totalMs, 2 * *ms);
     return status;
 }
 

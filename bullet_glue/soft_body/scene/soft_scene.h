@@ -223,7 +223,8 @@ class qcSoftBodyScene
     std::vector<qcBodyId> m_leftOutWithin; ///< scratch of RunWithout
     qcMotionBoxes m_boxes;                 ///< scratch of FindPartners
     qcResult m_noPairs{};
-    /// Milliseconds of the last query for contacts, for pairs within a margin, and over a motion.
+    /// Milliseconds of the last query for contacts, for pairs within a margin, and over a motion; at most twice those
+    /// of the one before.
     double m_contactMs = DBL_MAX, m_pairMs = DBL_MAX, m_motionMs = DBL_MAX;
 };
 
