@@ -70,7 +70,8 @@ void qcPlaneContact::Read(const qcPlacedSupport& placed, const btVector3& outwar
     side->triangles.clear();
     side->edges.clear();
     side->near.clear();
-    mesh.AppendNear(placed.ToLocal(outward), thickness, &side->near);
+    btVector3 local = placed.ToLocal(outward);
+    mesh.AppendAbove(local, mesh.Max(local) - thickness, &side->near);
     if (side->isNear.size() < mesh.Triangles().pointCount)
         side->isNear.resize(mesh.Triangles().pointCount);
     for (uint32_t vertex : side->near)

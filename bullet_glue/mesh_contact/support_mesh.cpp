@@ -2,11 +2,13 @@
 #include "mesh_contact/support_mesh.h"
 
 #include <algorithm>
+#include <cstring>
 
 namespace
 {
-// Vertices are compared in blocks, which compilers turn into vector instructions.
-constexpr size_t s_block = 8;
+// Vertices are compared in blocks of vectors: GCC 12 makes scalar instructions of loops over arrays of this size.
+typedef btScalar Lanes __attribute__((vector_size(16)));
+constexpr size_t s_lanes = sizeof(Lanes) / sizeof(btScalar), s_block = 2 * s_lanes;
 // A fragment of a fracture has some hundred triangles.
 constexpr size_t s_maxTriangles = 600;
 // Triangles belong to a face if the cosine between their normals is more than this.
@@ -34,6 +36,37 @@ void MakeLists(uint32_t vertexCount, uint32_t itemCount, int corners, Item item,
         for (int c = corners; c-- > 0;)
             lists->numbers[--lists->starts[item(i, c)]] = i;
 }
+
+Lanes Load(const btScalar* at)
+{
+    Lanes lanes;
+    std::memcpy(&lanes, at, sizeof lanes);
+    return lanes;
+}
+
+/// The coordinates of vertices, and the direction with which their products are compared.
+struct Products
+{
+    const btScalar *x, *y, *z;
+    btScalar dx, dy, dz;
+
+    /// The products of the vertices from `first` on.
+    Lanes At(size_t first) const
+    {
+        return Load(x + first) * dx + Load(y + first) * dy + Load(z + first) * dz;
+    }
+};
+
+/// True if a lane is at least `least`.
+bool IsAnyAbove(const Lanes& lanes, btScalar least)
+{
+    auto isAbove = lanes >= least;
+    uint64_t words[sizeof isAbove / sizeof(uint64_t)], any = 0;
+    std::memcpy(words, &isAbove, sizeof words);
+    for (uint64_t word : words)
+        any |= word;
+    return any != 0;
+}
 } // namespace
 
 bool qcSupportMesh::IsSmall(size_t triangleCount)
@@ -54,8 +87,10 @@ qcSupportMesh::qcSupportMesh(const btCollisionShape* shape) : m_triangles(shape,
         m_z.push_back(point.z());
         m_radius = std::max(m_radius, point.length());
     }
+    MakeLists(
+        m_triangles.pointCount, m_triangles.count, 3,
+        [this](uint32_t t, int c) { return m_triangles.indices[3 * t + uint32_t(c)]; }, &m_trianglesOf);
     FindFaces();
-    FindEdges();
 }
 
 void qcSupportMesh::FindFaces()
@@ -91,14 +126,15 @@ void qcSupportMesh::FindFaces()
         btVector3 normal = faces[i].sum.normalized();
         m_faces.push_back({normal, Max(normal)});
     }
+    m_facesByMax = m_faces;
+    std::stable_sort(m_facesByMax.begin(), m_facesByMax.end(),
+                     [](const Face& a, const Face& b) { return a.max < b.max; });
 }
 
-void qcSupportMesh::FindEdges()
+qcSupportMesh::EdgeLists qcSupportMesh::FindEdges() const
 {
+    EdgeLists made;
     const uint32_t* indices = m_triangles.indices;
-    MakeLists(
-        m_triangles.pointCount, m_triangles.count, 3,
-        [indices](uint32_t t, int c) { return indices[3 * t + uint32_t(c)]; }, &m_trianglesOf);
     for (uint32_t t = 0; t < m_triangles.count; t++)
         for (uint32_t c = 0; c < 3; c++)
         {
@@ -112,41 +148,58 @@ void qcSupportMesh::FindEdges()
                                                  });
             bool isShared = other != m_trianglesOf.end(from);
             if (!isShared || (t < *other && m_normals[t].dot(m_normals[*other]) < s_flat))
-                m_edges.push_back({from, to, t});
+                made.edges.push_back({from, to, t});
         }
     MakeLists(
-        m_triangles.pointCount, uint32_t(m_edges.size()), 2,
-        [this](uint32_t i, int c) { return c == 0 ? m_edges[i].from : m_edges[i].to; }, &m_edgesOf);
+        m_triangles.pointCount, uint32_t(made.edges.size()), 2,
+        [&made](uint32_t i, int c) { return c == 0 ? made.edges[i].from : made.edges[i].to; }, &made.edgesOf);
+    return made;
 }
 
 btScalar qcSupportMesh::Max(const btVector3& direction) const
 {
-    btScalar dx = direction.x(), dy = direction.y(), dz = direction.z();
-    btScalar max[s_block];
-    std::fill_n(max, s_block, -BT_LARGE_FLOAT);
-    const btScalar *x = m_x.data(), *y = m_y.data(), *z = m_z.data();
+    const Products products{m_x.data(), m_y.data(), m_z.data(), direction.x(), direction.y(), direction.z()};
+    Lanes low = Lanes{} - BT_LARGE_FLOAT, high = low;
     for (size_t i = 0; i < m_x.size(); i += s_block)
-        for (size_t lane = 0; lane < s_block; lane++)
-        {
-            btScalar dot = x[i + lane] * dx + y[i + lane] * dy + z[i + lane] * dz;
-            max[lane] = dot > max[lane] ? dot : max[lane];
-        }
-    return *std::max_element(max, max + s_block);
+    {
+        Lanes first = products.At(i), second = products.At(i + s_lanes);
+        low = first > low ? first : low;
+        high = second > high ? second : high;
+    }
+    low = high > low ? high : low;
+    btScalar max = low[0];
+    for (size_t lane = 1; lane < s_lanes; lane++)
+        max = std::max(max, low[lane]);
+    return max;
 }
 
 uint32_t qcSupportMesh::FindMax(const btVector3& direction) const
 {
+    const Products products{m_x.data(), m_y.data(), m_z.data(), direction.x(), direction.y(), direction.z()};
     btScalar max = Max(direction);
-    for (uint32_t i = 0; i < m_triangles.pointCount; i++)
-        if (m_x[i] * direction.x() + m_y[i] * direction.y() + m_z[i] * direction.z() >= max)
-            return i;
+    for (size_t i = 0; i < m_triangles.pointCount; i += s_lanes)
+    {
+        Lanes lanes = products.At(i);
+        if (!IsAnyAbove(lanes, max))
+            continue;
+        size_t lane = 0;
+        while (lanes[lane] < max)
+            lane++;
+        return uint32_t(i + lane);
+    }
     return 0; // only if a coordinate is not finite
 }
 
-void qcSupportMesh::AppendNear(const btVector3& direction, btScalar depth, std::vector<uint32_t>* vertices) const
+void qcSupportMesh::AppendAbove(const btVector3& direction, btScalar least, std::vector<uint32_t>* vertices) const
 {
-    btScalar least = Max(direction) - depth;
-    for (uint32_t i = 0; i < m_triangles.pointCount; i++)
-        if (m_x[i] * direction.x() + m_y[i] * direction.y() + m_z[i] * direction.z() >= least)
-            vertices->push_back(i);
+    const Products products{m_x.data(), m_y.data(), m_z.data(), direction.x(), direction.y(), direction.z()};
+    for (size_t i = 0; i < m_triangles.pointCount; i += s_lanes)
+    {
+        Lanes lanes = products.At(i);
+        if (!IsAnyAbove(lanes, least))
+            continue;
+        for (size_t lane = 0; lane < std::min(s_lanes, m_triangles.pointCount - i); lane++)
+            if (lanes[lane] >= least)
+                vertices->push_back(uint32_t(i + lane));
+    }
 }

@@ -4,7 +4,9 @@
 
 #include "common/shape_triangles.h"
 
-/// A mesh in its own frame. Refers to the shape, as qcMeshTriangles does.
+#include <memory>
+
+/// A mesh in its own frame. Refers to the shape, as qcMeshTriangles does. For one thread at a time.
 class qcSupportMesh
 {
   public:
@@ -18,8 +20,8 @@ class qcSupportMesh
     btScalar Max(const btVector3& direction) const;
     /// A vertex with that product. O(vertices).
     uint32_t FindMax(const btVector3& direction) const;
-    /// Appends the vertices whose product with the direction is at most `depth` less than the largest. O(vertices).
-    void AppendNear(const btVector3& direction, btScalar depth, std::vector<uint32_t>* vertices) const;
+    /// Appends the vertices whose product with the direction is at least `least`. O(vertices).
+    void AppendAbove(const btVector3& direction, btScalar least, std::vector<uint32_t>* vertices) const;
 
     const qcMeshTriangles& Triangles() const
     {
@@ -39,7 +41,7 @@ class qcSupportMesh
     /// Each edge once, but those within flat faces.
     const std::vector<Edge>& Edges() const
     {
-        return m_edges;
+        return FoundEdges().edges;
     }
 
     /// Numbers by vertex.
@@ -62,7 +64,7 @@ class qcSupportMesh
     }
     const Lists& EdgesOf() const
     {
-        return m_edgesOf;
+        return FoundEdges().edgesOf;
     }
 
     struct Face
@@ -75,6 +77,11 @@ class qcSupportMesh
     {
         return m_faces;
     }
+    /// These faces by their `max`, the least first.
+    const std::vector<Face>& FacesByMax() const
+    {
+        return m_facesByMax;
+    }
     /// Upper bound of the vertices' distance from the origin.
     btScalar Radius() const
     {
@@ -82,15 +89,28 @@ class qcSupportMesh
     }
 
   private:
+    struct EdgeLists
+    {
+        std::vector<Edge> edges;
+        Lists edgesOf;
+    };
+
     void FindFaces();
-    void FindEdges();
+    EdgeLists FindEdges() const;
+    /// Found by the first call: meshes that touch along common faces, or nothing at all, need none.
+    const EdgeLists& FoundEdges() const
+    {
+        if (m_edges == nullptr)
+            m_edges.reset(new EdgeLists(FindEdges()));
+        return *m_edges;
+    }
 
     qcMeshTriangles m_triangles;
     std::vector<btScalar> m_x, m_y, m_z; ///< of the vertices; padded with copies of the last one
     std::vector<btVector3> m_normals;
-    std::vector<Face> m_faces;
-    std::vector<Edge> m_edges;
-    Lists m_trianglesOf, m_edgesOf;
+    std::vector<Face> m_faces, m_facesByMax;
+    Lists m_trianglesOf;
+    mutable std::unique_ptr<const EdgeLists> m_edges;
     btScalar m_radius = 0;
 };
 

@@ -23,12 +23,12 @@ void FindCommon(const qcPlacedSupport& a, const qcPlacedSupport& b, const btVect
     common->clear();
     btScalar error = qcGapError(a, b);
     btVector3 localA = a.ToLocal(axis), localB = b.ToLocal(-axis);
-    if (btFabs(axis.dot(b.transform.getOrigin() - a.transform.getOrigin()) - b.mesh->Max(localB) -
-               a.mesh->Max(localA)) > error)
+    btScalar maxA = a.mesh->Max(localA), maxB = b.mesh->Max(localB);
+    if (btFabs(axis.dot(b.transform.getOrigin() - a.transform.getOrigin()) - maxB - maxA) > error)
         return;
     std::vector<uint32_t> nearA, nearB;
-    a.mesh->AppendNear(localA, error, &nearA);
-    b.mesh->AppendNear(localB, error, &nearB);
+    a.mesh->AppendAbove(localA, maxA - error, &nearA);
+    b.mesh->AppendAbove(localB, maxB - error, &nearB);
     std::vector<btVector3> points;
     for (uint32_t j : nearB)
         points.push_back(b.VertexAt(j));
@@ -83,10 +83,13 @@ bool qcFindTouchingFaces(const qcPlacedSupport& a, const qcPlacedSupport& b, qcS
         btScalar least = normal.dot(between) - face.max - nearPlane, largest = least + 2 * nearPlane;
         if (least > b.mesh->Radius())
             return false; // the face separates them
+        const std::vector<qcSupportMesh::Face>& others = b.mesh->FacesByMax();
+        auto other = std::lower_bound(others.begin(), others.end(), least,
+                                      [](const qcSupportMesh::Face& some, btScalar max) { return some.max < max; });
         btVector3 inB = aToB * face.normal;
-        for (const qcSupportMesh::Face& other : b.mesh->Faces())
+        for (; other != others.end() && other->max <= largest; ++other)
         {
-            if (other.max < least || other.max > largest || other.normal.dot(inB) > s_opposite)
+            if (other->normal.dot(inB) > s_opposite)
                 continue;
             FindCommon(a, b, normal, &common);
             if (!ChooseCorners(common, qcGapError(a, b), separation))
