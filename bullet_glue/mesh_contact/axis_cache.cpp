@@ -18,6 +18,7 @@ size_t CountOf(const btCollisionShape* shape)
 void qcAxisCache::BeginStep()
 {
     m_step++;
+    m_touches.Clear(0);
     if (m_step % s_keptSteps != 0)
         return;
     for (auto entry = m_meshes.begin(); entry != m_meshes.end();)
@@ -39,6 +40,8 @@ const qcSupportMesh* qcAxisCache::FindMesh(const btCollisionObject* object)
     uint64_t revision = qcMeshRevision(shape);
     if (entry.revision == revision)
         return entry.mesh.get();
+    if (entry.revision != 0)
+        m_touches.Clear(0);
     entry.revision = revision;
     entry.mesh.reset();
     if (qcSupportMesh::IsSmall(CountOf(shape)))
@@ -48,10 +51,15 @@ const qcSupportMesh* qcAxisCache::FindMesh(const btCollisionObject* object)
     return entry.mesh.get();
 }
 
-qcAxisCache::Axis& qcAxisCache::AxisOf(const btCollisionObject* a, const btCollisionObject* b)
+uint64_t qcAxisCache::KeyOf(const btCollisionObject* a, const btCollisionObject* b)
 {
     auto [low, high] = std::minmax({uint32_t(qcUniqueIdOf(a)), uint32_t(qcUniqueIdOf(b))});
-    Axis& entry = m_axes.FindOrAdd(uint64_t(low) << 32 | high, {btVector3(0, 0, 0), m_step});
+    return uint64_t(low) << 32 | high;
+}
+
+qcAxisCache::Axis& qcAxisCache::AxisOf(const btCollisionObject* a, const btCollisionObject* b)
+{
+    Axis& entry = m_axes.FindOrAdd(KeyOf(a, b), {btVector3(0, 0, 0), m_step});
     entry.step = m_step;
     return entry;
 }
@@ -69,7 +77,28 @@ void qcAxisCache::KeepAxis(const btCollisionObject* a, const btTransform& atA, c
     AxisOf(a, b).axis = qcUniqueIdOf(a) < qcUniqueIdOf(b) ? axis * atA.getBasis() : -axis * atB.getBasis();
 }
 
+void qcAxisCache::KeepTouching(const btCollisionObject* a, const qcPlacedSupport& atA, const btCollisionObject* b,
+                               const qcPlacedSupport& atB)
+{
+    bool isOrdered = qcUniqueIdOf(a) < qcUniqueIdOf(b);
+    Touch touch{isOrdered ? atA : atB, isOrdered ? atB : atA};
+    m_touches.FindOrAdd(KeyOf(a, b), touch) = touch;
+}
+
+bool qcAxisCache::AreTouching(const btCollisionObject* a, const qcPlacedSupport& atA, const btCollisionObject* b,
+                              const qcPlacedSupport& atB) const
+{
+    const Touch* touch = m_touches.Find(KeyOf(a, b));
+    if (touch == nullptr)
+        return false;
+    bool isOrdered = qcUniqueIdOf(a) < qcUniqueIdOf(b);
+    auto isSame = [](const qcPlacedSupport& x, const qcPlacedSupport& y)
+    { return x.mesh == y.mesh && qcAreSame(x.transform, y.transform); };
+    return isSame(isOrdered ? atA : atB, touch->first) && isSame(isOrdered ? atB : atA, touch->second);
+}
+
 void qcAxisCache::InvalidateShape(const btCollisionShape* shape)
 {
+    m_touches.Clear(0);
     m_meshes.erase(shape);
 }

@@ -22,6 +22,12 @@ class qcAxisCache
                       const btTransform& atB);
     void KeepAxis(const btCollisionObject* a, const btTransform& atA, const btCollisionObject* b,
                   const btTransform& atB, const btVector3& axis);
+    /// Keeps until the next step that the meshes of two objects touch along faces at these places.
+    void KeepTouching(const btCollisionObject* a, const qcPlacedSupport& atA, const btCollisionObject* b,
+                      const qcPlacedSupport& atB);
+    /// True if KeepTouching has been called in this step for two objects at the same places.
+    bool AreTouching(const btCollisionObject* a, const qcPlacedSupport& atA, const btCollisionObject* b,
+                     const qcPlacedSupport& atB) const;
     /// Call it after the triangles of a shape have changed.
     void InvalidateShape(const btCollisionShape* shape);
 
@@ -39,10 +45,18 @@ class qcAxisCache
         uint64_t step; ///< the last one that used it
     };
 
+    /// Two meshes that touch: first that of the object that entered the world first.
+    struct Touch
+    {
+        qcPlacedSupport first, second;
+    };
+
+    static uint64_t KeyOf(const btCollisionObject* a, const btCollisionObject* b);
     Axis& AxisOf(const btCollisionObject* a, const btCollisionObject* b);
 
     std::unordered_map<const btCollisionShape*, Mesh> m_meshes;
-    qcHashTable<uint64_t, Axis> m_axes; ///< by the unique ids of two objects
+    qcHashTable<uint64_t, Axis> m_axes;     ///< by the unique ids of two objects
+    qcHashTable<uint64_t, Touch> m_touches; ///< likewise; all their meshes exist
     uint64_t m_step = 0;
 };
 

@@ -430,12 +430,13 @@ bool qcMotionLimiter::IsSeparated(const qcSweptPair& pair)
     btScalar error = qcGapError(startA, startB) + qcGapError(endA, endB);
     auto isProof = [&](const btVector3& axis)
     { return qcGapAlong(endA, endB, axis) > error && qcGapAlong(startA, startB, axis) > error; };
-    btVector3 kept = m_axes.GetAxis(a.object, a.end, b.object, b.end);
-    if (isProof(kept))
-        return true;
     bool isNew = a.isNew || b.isNew;
+    bool areTouching = isNew && m_axes.AreTouching(a.object, startA, b.object, startB);
+    btVector3 kept = m_axes.GetAxis(a.object, a.end, b.object, b.end);
+    if (!areTouching && isProof(kept))
+        return true;
     btVector3 keptAtStart = m_axes.GetAxis(a.object, a.start, b.object, b.start);
-    if (isNew && !keptAtStart.fuzzyZero() && qcTouchAlong(startA, startB, keptAtStart))
+    if (areTouching || (isNew && !keptAtStart.fuzzyZero() && qcTouchAlong(startA, startB, keptAtStart)))
     {
         KeepTouching(pair, keptAtStart, error);
         return true;

@@ -90,7 +90,9 @@ bool qcPlanePairs::AddPair(const btCollisionObject* object0, const qcBatchObject
     btVector3 guess = m_cache.GetAxis(object0, sideA.transform, object1, sideB.transform);
     qcSeparation separation;
     bool isTouching = guess.fuzzyZero() && qcFindTouchingFaces(sideA, sideB, &separation);
-    if (!isTouching)
+    if (isTouching)
+        m_cache.KeepTouching(object0, sideA, object1, sideB);
+    else
         separation =
             qcFindSeparation(sideA, sideB, guess, std::max(distance, rest + max) + margins, s_faceSlack * threshold);
     m_cache.KeepAxis(object0, sideA.transform, object1, sideB.transform, separation.axis);
