@@ -145,7 +145,7 @@ void qcFractureSites_ClipCell(const qcFractureSites& sites, uint32_t site, uint3
         // Every remaining point is nearer to this site.
         if (distance > 2 * radius * (1 + 1e-9))
             return;
-        qcClipSolid_Clip(solid, qcFractureSites_Bisect(sites, site, other, firstFace + other), scratch);
+        qcClipSolid_Clip(*solid, qcFractureSites_Bisect(sites, site, other, firstFace + other), scratch, solid);
         std::pop_heap(others.begin(), others.end(), isFurther);
         others.pop_back();
     }

@@ -288,11 +288,18 @@ CellPieces PiecesOf(const Job& job, uint32_t site, qcClipSolid* solid, qcClipScr
 std::vector<CellPieces> ClipByNeighbours(const Job& job, const std::vector<qcFractureCell>& cells)
 {
     std::vector<CellPieces> cellPieces(cells.size());
-    auto clipCell = [&](size_t site, qcClipSolid solid, qcClipScratch* scratch)
+    auto clipCell = [&](size_t site, const qcClipSolid& around, qcClipScratch* scratch)
     {
+        const qcClipSolid* from = &around;
+        qcClipSolid solid;
         for (uint32_t other : cells[site].neighbours)
-            qcClipSolid_Clip(&solid, qcFractureSites_Bisect(job.sites, uint32_t(site), other, job.firstCut + other),
-                             scratch);
+        {
+            qcClipPlane plane = qcFractureSites_Bisect(job.sites, uint32_t(site), other, job.firstCut + other);
+            qcClipSolid_Clip(*from, plane, scratch, &solid);
+            from = &solid;
+        }
+        if (from == &around)
+            solid = around;
         cellPieces[site] = PiecesOf(job, uint32_t(site), &solid, scratch);
     };
     qcDistributeSolid(job.solid, cells, job.firstCut + uint32_t(cells.size()), clipCell);

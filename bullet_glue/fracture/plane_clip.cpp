@@ -283,33 +283,38 @@ size_t qcClipSolid_Make(qcFacetedMesh* mesh, qcClipSolid* solid)
     return open;
 }
 
-void qcClipSolid_Clip(qcClipSolid* solid, const qcClipPlane& plane, qcClipScratch* scratch)
+void qcClipSolid_Clip(const qcClipSolid& from, const qcClipPlane& plane, qcClipScratch* scratch, qcClipSolid* to)
 {
-    if (!FindSides(*solid, plane, &scratch->sides))
+    if (!FindSides(from, plane, &scratch->sides))
+    {
+        if (to != &from)
+            *to = from;
         return;
-    KeepInside(*solid, scratch);
+    }
+    KeepInside(from, scratch);
     const std::vector<uint32_t>& newIndices = scratch->newIndices;
     std::vector<qcClipPoint>& points = scratch->points;
     CutEdges cutEdges(scratch);
     size_t kept = 0;
-    for (qcClipEdge edge : solid->edges)
+    to->edges.resize(from.edges.size());
+    for (qcClipEdge edge : from.edges)
     {
-        uint32_t from = newIndices[edge.from], to = newIndices[edge.to];
-        if (from == s_none && to == s_none)
+        uint32_t start = newIndices[edge.from], end = newIndices[edge.to];
+        if (start == s_none && end == s_none)
             continue;
-        if (from == s_none || to == s_none)
+        if (start == s_none || end == s_none)
         {
             uint32_t made = uint32_t(points.size());
-            points.push_back(Crossing(*solid, scratch->sides, edge.from, edge.to));
-            cutEdges.Leave(to == s_none ? edge.left : edge.right, made);
-            cutEdges.Enter(to == s_none ? edge.right : edge.left, made);
-            (to == s_none ? to : from) = made;
+            points.push_back(Crossing(from, scratch->sides, edge.from, edge.to));
+            cutEdges.Leave(end == s_none ? edge.left : edge.right, made);
+            cutEdges.Enter(end == s_none ? edge.right : edge.left, made);
+            (end == s_none ? end : start) = made;
         }
-        solid->edges[kept++] = {from, to, edge.left, edge.right};
+        to->edges[kept++] = {start, end, edge.left, edge.right};
     }
-    solid->edges.resize(kept);
-    cutEdges.Close(plane.face, points, &solid->edges);
-    solid->points.swap(points);
+    to->edges.resize(kept);
+    cutEdges.Close(plane.face, points, &to->edges);
+    to->points.swap(points);
 }
 
 void qcClipSolid_Triangulate(qcClipSolid* solid, qcFacetedMesh* mesh, qcClipScratch* scratch)

@@ -31,9 +31,10 @@ struct qcClipPlane
 /// open edge (more half-edges in one direction than in the other), or the number of triangles if there is none.
 size_t qcClipSolid_Make(qcFacetedMesh* mesh, qcClipSolid* solid);
 
-/// Removes the part outside the plane, and closes the solid with a cut face. A plane and its mirror image (the same
-/// numbers with other signs) cut an edge at the same point, bit by bit. O(edges).
-void qcClipSolid_Clip(qcClipSolid* solid, const qcClipPlane& plane, qcClipScratch* scratch);
+/// Makes a solid of the part of another one, or of its own, that is not outside the plane, and closes it with a cut
+/// face. A plane and its mirror image (the same numbers with other signs) cut an edge at the same point, bit by bit.
+/// O(edges).
+void qcClipSolid_Clip(const qcClipSolid& from, const qcClipPlane& plane, qcClipScratch* scratch, qcClipSolid* to);
 
 /// Triangulates all faces, in ascending order: a closed mesh. Its points have different positions, except those added
 /// where rounding made edges of one face cross.

@@ -6,6 +6,8 @@
 
 #include "fracture/parallel_cells.h"
 
+#include "quickcullide/base.h"
+
 #include <voro++/voro++.hh>
 
 #include <algorithm>
@@ -170,9 +172,10 @@ Box BoxOf(const std::vector<qcFractureCell>& cells, const std::vector<size_t>& s
     return box;
 }
 
-/// Clips the solid by those sides of the box that remove more than a quarter of its points.
-void ClipToBox(const Box& box, uint32_t firstFace, qcClipSolid* solid, qcClipScratch* scratch)
+/// Clips a solid by those sides of the box that remove more than a quarter of its points.
+void ClipToBox(const qcClipSolid& from, const Box& box, uint32_t firstFace, qcClipScratch* scratch, qcClipSolid* to)
 {
+    const qcClipSolid* solid = &from;
     for (size_t side = 0; side < 6; side++)
     {
         size_t axis = side / 2;
@@ -182,8 +185,13 @@ void ClipToBox(const Box& box, uint32_t firstFace, qcClipSolid* solid, qcClipScr
         auto isOutside = [&](const qcClipPoint& p) { return sign * p[axis] > plane.distance; };
         size_t outside = size_t(std::count_if(solid->points.begin(), solid->points.end(), isOutside));
         if (4 * outside > solid->points.size()) // 2, 8 and 16 take equally many instructions, within 1 % (bunny)
-            qcClipSolid_Clip(solid, plane, scratch);
+        {
+            qcClipSolid_Clip(*solid, plane, scratch, to);
+            solid = to;
+        }
     }
+    if (solid == &from)
+        *to = from;
 }
 
 /// Halves the cells at the median of their centres, along the longest axis of these.
@@ -202,19 +210,21 @@ std::array<std::vector<size_t>, 2> Halve(const std::vector<qcFractureCell>& cell
 std::vector<qcFractureCell> qcFindFractureCells(const std::vector<qcClipPoint>& mesh,
                                                 const std::vector<qcClipPoint>& sites)
 {
-    constexpr size_t minBatch = 16, maxBatches = 64; // each batch of cells needs a container of all sites
+    // Each batch of cells needs a container of all sites.
+    constexpr size_t minBatch = 16, maxBatches = 64, batchesOfWorker = 4;
     Box walls = FindWalls(mesh, sites);
     if (LengthOf(walls) > s_maxSpread || AreAnyClose(sites, s_minDistance * LengthOf(walls)))
         return {};
     std::vector<qcFractureCell> cells(sites.size(), {{}, walls.lower, walls.upper});
-    size_t batches = std::min(maxBatches, 1 + sites.size() / minBatch);
+    size_t workers = qcGetWorkerCount();
+    size_t batches = std::min({maxBatches, 1 + sites.size() / minBatch, workers > 1 ? batchesOfWorker * workers : 1});
     qcForEachInParallel(batches,
                         [&](size_t batch, qcClipScratch*) { FindCells(walls, sites, batch, batches, &cells); });
     return cells;
 }
 
 void qcDistributeSolid(qcClipSolid solid, const std::vector<qcFractureCell>& cells, uint32_t firstFace,
-                       const std::function<void(size_t cell, qcClipSolid solid, qcClipScratch* scratch)>& take)
+                       const std::function<void(size_t cell, const qcClipSolid& solid, qcClipScratch* scratch)>& take)
 {
     std::vector<Portion> portions(1);
     portions[0].cells.resize(cells.size());
@@ -231,8 +241,7 @@ void qcDistributeSolid(qcClipSolid solid, const std::vector<qcFractureCell>& cel
             if (portion.cells.size() == 1)
                 return;
             halves[i].cells = std::move(Halve(cells, portion.cells)[i % 2]);
-            halves[i].solid = portion.solid;
-            ClipToBox(BoxOf(cells, halves[i].cells), firstFace, &halves[i].solid, scratch);
+            ClipToBox(portion.solid, BoxOf(cells, halves[i].cells), firstFace, scratch, &halves[i].solid);
         };
         qcForEachInParallel(halves.size(), halve);
         halves.erase(

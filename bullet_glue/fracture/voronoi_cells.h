@@ -21,6 +21,6 @@ std::vector<qcFractureCell> qcFindFractureCells(const std::vector<qcClipPoint>& 
 /// Calls the function with each cell and a part of the solid that contains what is in the cell's box, in parallel. Most
 /// of the rest of the solid is clipped off; cut faces outside the cell have numbers from `firstFace` on.
 void qcDistributeSolid(qcClipSolid solid, const std::vector<qcFractureCell>& cells, uint32_t firstFace,
-                       const std::function<void(size_t cell, qcClipSolid solid, qcClipScratch* scratch)>& take);
+                       const std::function<void(size_t cell, const qcClipSolid& solid, qcClipScratch* scratch)>& take);
 
 #endif
