@@ -13,10 +13,9 @@ namespace
 // Metres. Pieces of one body begin with overlapping margins: thin ones separate gently.
 constexpr btScalar s_margin = btScalar(0.001);
 
-btRigidBody::btRigidBodyConstructionInfo Material(btScalar mass, btCollisionShape* shape, const btTransform& place)
+btRigidBody::btRigidBodyConstructionInfo Material(btScalar mass, btCollisionShape* shape, const btVector3& inertia,
+                                                  const btTransform& place)
 {
-    btVector3 inertia;
-    shape->calculateLocalInertia(mass, inertia);
     btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shape, inertia);
     info.m_startWorldTransform = place;
     info.m_friction = btScalar(0.8); // Bullet multiplies those of both bodies: 0.64 is stone on stone
@@ -83,6 +82,7 @@ bool qcReadFractureModel(const std::string& path, uint32_t triangleCount, btScal
         return false;
     }
     model->volume = btScalar(mass.volume);
+    model->inertia = mass.principalInertia;
     model->upright = mass.principalFrame.getBasis();
     btTransform inward = mass.principalFrame.inverse();
     for (btVector3& vertex : model->vertices)
@@ -91,10 +91,10 @@ bool qcReadFractureModel(const std::string& path, uint32_t triangleCount, btScal
 }
 
 qcFractureBody::qcFractureBody(const std::vector<btVector3>& vertices, const std::vector<uint32_t>& indices,
-                               uint32_t firstOfCuts, btScalar mass, const btTransform& place)
+                               uint32_t firstOfCuts, btScalar mass, const btVector3& inertia, const btTransform& place)
     : shape(vertices.data(), qcBulletPositions, sizeof(btVector3), uint32_t(vertices.size()), indices.data(),
             uint32_t(indices.size() / 3)),
-      body(Material(mass, &shape, place)), firstCutTriangle(firstOfCuts)
+      body(Material(mass, &shape, mass * inertia, place)), firstCutTriangle(firstOfCuts)
 {
     shape.setMargin(s_margin);
 }

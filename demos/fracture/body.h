@@ -17,6 +17,7 @@ struct qcFractureModel
     std::vector<btVector3> vertices;
     std::vector<uint32_t> indices;
     btScalar volume = 0;
+    btVector3 inertia{0, 0, 0};                       ///< moments for mass 1
     btMatrix3x3 upright = btMatrix3x3::getIdentity(); ///< rotation to its orientation in the file
 };
 
@@ -35,9 +36,9 @@ ATTRIBUTE_ALIGNED16(struct) qcFractureBody
 {
     BT_DECLARE_ALIGNED_ALLOCATOR();
 
-    /// Triangles from `firstOfCuts` on are faces of cuts.
+    /// Triangles from `firstOfCuts` on are faces of cuts. `inertia`: moments for mass 1.
     qcFractureBody(const std::vector<btVector3>& vertices, const std::vector<uint32_t>& indices, uint32_t firstOfCuts,
-                   btScalar mass, const btTransform& place);
+                   btScalar mass, const btVector3& inertia, const btTransform& place);
 
     /// Collides as the convex hull of its vertices from now on.
     void UseHull();

@@ -57,7 +57,7 @@ qcFractureWorld::qcFractureWorld(const qcFractureModel& model, const qcFractureR
     // The body lands on an edge.
     btTransform place(btMatrix3x3(btQuaternion(btVector3(0, 0, 1), btScalar(0.35))) * model.upright);
     auto whole = std::make_unique<qcFractureBody>(model.vertices, model.indices, uint32_t(model.indices.size() / 3),
-                                                  model.volume * s_density, place);
+                                                  model.volume * s_density, model.inertia, place);
     place.setOrigin(btVector3(0, s_height - whole->Lowest(), 0));
     whole->body.setWorldTransform(place);
     whole->body.setInterpolationWorldTransform(place);
@@ -140,7 +140,7 @@ void qcFractureWorld::Cut(const qcFractureBody& whole, const btVector3& impact)
     {
         qcPieceMotion motion = qcMotionOfPiece(whole.body, m_fracture, piece);
         m_pieces.push_back(std::make_unique<qcFractureBody>(piece.vertices, piece.indices, piece.firstCutTriangle,
-                                                            motion.mass, motion.transform));
+                                                            motion.mass, piece.inertia, motion.transform));
         m_pieces.back()->cuts = qcCutNumbers(piece);
         if (m_request.hulls)
             m_pieces.back()->UseHull();
