@@ -1,10 +1,8 @@
 // A libEGL in front of the system's, to which it forwards. QC_GL_SHIM, read at each call, names what it does otherwise:
 // see test_gl_libraries.c. A program that has opened it gets it for "libEGL.so.1", its name in the dynamic linker.
-#include <dlfcn.h>
-#include <stdbool.h>
+#include "gl/gl_shim.h"
+
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 // The part of EGL that is needed, restated: headers of GL belong to plugin/gl.
 typedef unsigned Boolean;
@@ -16,22 +14,6 @@ enum
     egl_extensions = 0x3055,
     gl_renderer = 0x1f01
 };
-
-#define SHIM __attribute__((visibility("default")))
-
-static bool Is(const char* behaviour)
-{
-    const char* set = getenv("QC_GL_SHIM");
-    return set != NULL && strcmp(set, behaviour) == 0;
-}
-
-static void* Real(const char* name)
-{
-    static void* library;
-    if (library == NULL)
-        library = dlopen(QC_EGL_LIBRARY, RTLD_NOW | RTLD_LOCAL);
-    return library != NULL ? dlsym(library, name) : NULL;
-}
 
 /// The words without one of them.
 static const char* Without(const char* words, const char* word)
@@ -48,7 +30,7 @@ static const char* Without(const char* words, const char* word)
 
 SHIM Boolean eglBindAPI(unsigned api)
 {
-    return Is("no desktop GL") ? 0 : ((Boolean(*)(unsigned))Real("eglBindAPI"))(api);
+    return Is("no desktop GL") ? 0 : ((Boolean(*)(unsigned))Real(QC_EGL_LIBRARY, "eglBindAPI"))(api);
 }
 
 SHIM Boolean eglChooseConfig(Handle display, const int* attributes, Handle* configs, int size, int* count)
@@ -56,43 +38,46 @@ SHIM Boolean eglChooseConfig(Handle display, const int* attributes, Handle* conf
     *count = 0;
     if (Is("no configuration"))
         return 1;
-    return ((Boolean(*)(Handle, const int*, Handle*, int, int*))Real("eglChooseConfig"))(display, attributes, configs,
-                                                                                         size, count);
+    return ((Boolean(*)(Handle, const int*, Handle*, int, int*))Real(QC_EGL_LIBRARY, "eglChooseConfig"))(
+        display, attributes, configs, size, count);
 }
 
 SHIM Handle eglCreateContext(Handle display, Handle config, Handle share, const int* attributes)
 {
     if (Is("no context") || (Is("GL 3.3") && attributes[1] > 3))
         return NULL;
-    return ((Handle(*)(Handle, Handle, Handle, const int*))Real("eglCreateContext"))(display, config, share,
-                                                                                     attributes);
+    return ((Handle(*)(Handle, Handle, Handle, const int*))Real(QC_EGL_LIBRARY, "eglCreateContext"))(display, config,
+                                                                                                     share, attributes);
 }
 
 SHIM Boolean eglDestroyContext(Handle display, Handle context)
 {
-    return ((Boolean(*)(Handle, Handle))Real("eglDestroyContext"))(display, context);
+    return ((Boolean(*)(Handle, Handle))Real(QC_EGL_LIBRARY, "eglDestroyContext"))(display, context);
 }
 
 SHIM int eglGetError(void)
 {
-    return ((int (*)(void))Real("eglGetError"))();
+    return ((int (*)(void))Real(QC_EGL_LIBRARY, "eglGetError"))();
 }
 
 SHIM Boolean eglInitialize(Handle display, int* major, int* minor)
 {
-    return Is("not initialised") ? 0 : ((Boolean(*)(Handle, int*, int*))Real("eglInitialize"))(display, major, minor);
+    return Is("not initialised")
+               ? 0
+               : ((Boolean(*)(Handle, int*, int*))Real(QC_EGL_LIBRARY, "eglInitialize"))(display, major, minor);
 }
 
 SHIM Boolean eglMakeCurrent(Handle display, Handle draw, Handle read, Handle context)
 {
     if (Is("not current") && context != NULL)
         return 0;
-    return ((Boolean(*)(Handle, Handle, Handle, Handle))Real("eglMakeCurrent"))(display, draw, read, context);
+    return ((Boolean(*)(Handle, Handle, Handle, Handle))Real(QC_EGL_LIBRARY, "eglMakeCurrent"))(display, draw, read,
+                                                                                                context);
 }
 
 SHIM const char* eglQueryString(Handle display, int name)
 {
-    const char* words = ((const char* (*)(Handle, int))Real("eglQueryString"))(display, name);
+    const char* words = ((const char* (*)(Handle, int))Real(QC_EGL_LIBRARY, "eglQueryString"))(display, name);
     if (name != egl_extensions || words == NULL)
         return words;
     if (display == NULL)
@@ -107,7 +92,7 @@ SHIM const char* eglQueryString(Handle display, int name)
 
 SHIM Boolean eglReleaseThread(void)
 {
-    return ((Boolean(*)(void))Real("eglReleaseThread"))();
+    return ((Boolean(*)(void))Real(QC_EGL_LIBRARY, "eglReleaseThread"))();
 }
 
 //  ---- functions by name -------------------------------------------------------------------------------------------
@@ -115,7 +100,7 @@ SHIM Boolean eglReleaseThread(void)
 static void* RealByName(const char* name)
 {
     // Objects and functions have one size here, as dlsym() presumes.
-    Function* function = ((Function * (*)(const char*)) Real("eglGetProcAddress"))(name);
+    Function* function = ((Function * (*)(const char*)) Real(QC_EGL_LIBRARY, "eglGetProcAddress"))(name);
     void* pointer;
     memcpy(&pointer, &function, sizeof pointer);
     return pointer;
@@ -165,5 +150,5 @@ SHIM Function* eglGetProcAddress(const char* name)
         return (Function*)GetString;
     if (strcmp(name, "glDrawArrays") == 0 && Is("a function less"))
         return NULL;
-    return ((Function * (*)(const char*)) Real("eglGetProcAddress"))(name);
+    return ((Function * (*)(const char*)) Real(QC_EGL_LIBRARY, "eglGetProcAddress"))(name);
 }

@@ -4,20 +4,11 @@
 #include "recording/recorded_boxes.h"
 #include "recording/recorded_bytes.h"
 #include "support/failing_heap.h"
+#include "support/kept_line.h"
 #include "support/run_program.h"
 #include "support/suite.h"
 
 #include <unistd.h>
-
-static char s_line[512];
-static int s_lines;
-
-static void KeepLine(const char* line, void* context)
-{
-    (void)context;
-    snprintf(s_line, sizeof s_line, "%s", line);
-    s_lines++;
-}
 
 /// The kinds of the operations in a file are these, in this order.
 static void CheckKinds(const char* path, const qcOperationKind* kinds, size_t count)

@@ -3,6 +3,7 @@
 #include "recording/random_history.h"
 #include "support/replay.h"
 #include "support/failing_heap.h"
+#include "support/kept_line.h"
 #include "support/run_program.h"
 #include "support/suite.h"
 
@@ -11,16 +12,6 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-static char s_line[512];
-static int s_lines;
-
-static void KeepLine(const char* line, void* context)
-{
-    (void)context;
-    snprintf(s_line, sizeof s_line, "%s", line);
-    s_lines++;
-}
 
 /// A history's hash over all results, recorded if `path` is not null.
 static uint64_t RunHistory(const char* path, qcStatus* started, qcStatus* ended)
