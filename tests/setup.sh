@@ -22,7 +22,8 @@ qc_packages()
             # A client of libBulletCollision, to be run with qc-preload; without it that test is skipped.
             clients) echo libdart-dev libdart-collision-bullet-dev ;;
             # For tests/machines/run.sh: other compilers and processors.
-            machines) echo clang gcc-i686-linux-gnu gcc-aarch64-linux-gnu gcc-s390x-linux-gnu qemu-user-static ;;
+            machines) echo clang gcc-i686-linux-gnu gcc-aarch64-linux-gnu gcc-s390x-linux-gnu libc6-dev-i386-cross \
+                libc6-dev-arm64-cross libc6-dev-s390x-cross qemu-user-static ;;
             # To look at the report's page; without it that test is skipped. 100 MB: qc_wishes=browser tests/run.sh
             browser) echo chromium ;;
             # The live window of the demos, --view, and a display for its test; without them the demos have no window.
