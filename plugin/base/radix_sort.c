@@ -66,22 +66,28 @@ static size_t DigitOf(uint64_t key, const Digit* digit)
     return (key >> digit->shift[0] & digit->mask[0]) | (key >> digit->shift[1] & digit->mask[1]) << digit->width;
 }
 
-static inline void SortByDigit(const uint64_t* from, uint64_t* to, size_t count, size_t words, const Digit* digit,
-                               size_t digits)
+/// Counts the keys of each value of a digit.
+static inline void CountDigits(const uint64_t* items, size_t count, size_t words, const Digit* digit, size_t digits,
+                               size_t* number)
 {
-    size_t offset[qc_digits];
-    memset(offset, 0, digits * sizeof *offset);
+    memset(number, 0, digits * sizeof *number);
     for (size_t i = 0; i < count; i++)
-        offset[DigitOf(from[words * i], digit)]++;
+        number[DigitOf(items[words * i], digit)]++;
+}
+
+/// Orders by a digit whose values are counted in `number`; items of one value keep their order.
+static inline void Distribute(const uint64_t* from, uint64_t* to, size_t count, size_t words, const Digit* digit,
+                              size_t digits, size_t* number)
+{
     size_t sum = 0;
     for (size_t d = 0; d < digits; d++)
     {
-        size_t number = offset[d];
-        offset[d] = sum;
-        sum += number;
+        size_t of = number[d];
+        number[d] = sum;
+        sum += of;
     }
     for (size_t i = 0; i < count; i++)
-        memcpy(to + words * offset[DigitOf(from[words * i], digit)]++, from + words * i, words * sizeof *to);
+        memcpy(to + words * number[DigitOf(from[words * i], digit)]++, from + words * i, words * sizeof *to);
 }
 
 /// Sorts by the leading digit, then inserts, if that is quick. Otherwise it does nothing, and returns false. `differ`
@@ -90,25 +96,15 @@ static inline bool SortByLeadingDigit(uint64_t* items, uint64_t* scratch, size_t
 {
     int top = 64 - __builtin_clzll(differ), shift = top > qc_digitBits ? top - qc_digitBits : 0;
     const Digit digit = {.shift = {shift, 0}, .width = qc_digitBits, .mask = {qc_digits - 1, 0}};
-    uint32_t number[qc_digits] = {0};
-    for (size_t i = 0; i < count; i++)
-        number[DigitOf(items[words * i], &digit)]++;
+    size_t number[qc_digits];
+    CountDigits(items, count, words, &digit, qc_digits, number);
     uint64_t together = 0;
     for (size_t d = 0; d < qc_digits; d++)
         together += (uint64_t)number[d] * number[d];
     if (together > (uint64_t)qc_maxTogether * count)
         return false;
-    uint32_t sum = 0;
-    for (size_t d = 0; d < qc_digits; d++)
-    {
-        uint32_t of = number[d];
-        number[d] = sum;
-        sum += of;
-    }
     memcpy(scratch, items, count * words * sizeof *items);
-    for (size_t i = 0; i < count; i++)
-        memcpy(items + words * number[DigitOf(scratch[words * i], &digit)]++, scratch + words * i,
-               words * sizeof *items);
+    Distribute(scratch, items, count, words, &digit, qc_digits, number);
     InsertItems(items, count, words);
     return true;
 }
@@ -133,7 +129,9 @@ static inline qcStatus Sort(uint64_t* items, size_t count, size_t words, qcArray
     while (differ != 0)
     {
         Digit digit = TakeDigit(&differ, bits);
-        SortByDigit(from, to, count, words, &digit, (size_t)1 << bits);
+        size_t number[qc_digits], digits = (size_t)1 << bits;
+        CountDigits(from, count, words, &digit, digits, number);
+        Distribute(from, to, count, words, &digit, digits, number);
         uint64_t* swap = from;
         from = to;
         to = swap;
