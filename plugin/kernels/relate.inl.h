@@ -86,9 +86,26 @@ QC_INLINE Decided Decide(const PairSigns* s)
     return decided;
 }
 
+QC_INLINE Ints AreEqual(Vectors a, Vectors b)
+{
+    return (a.x == b.x) & (a.y == b.y) & (a.z == b.z);
+}
+
+/// Each corner of B coincides with one of A: no bound of these kernels decides such a pair.
+QC_INLINE Ints Coincide(const PairLanes* l)
+{
+    const Vectors corner[3] = {l->d, l->e, l->f}, first = {{0}, {0}, {0}};
+    Ints all = ~(Ints){0};
+    for (int i = 0; i < 3; i++)
+        all &= AreEqual(corner[i], first) | AreEqual(corner[i], l->b) | AreEqual(corner[i], l->c);
+    return all;
+}
+
 /// The lanes whose signs were not all proven: more directions, and tighter bounds.
 static __attribute__((noinline)) void DecideRest(const PairLanes* lanes, uint32_t* disjoint, uint32_t* intersecting)
 {
+    if ((~(*disjoint | *intersecting | SignBits(Coincide(lanes))) & SignBits(~(Ints){0})) == 0)
+        return;
     uint32_t apart = SignBits(SeparatedByPlane(lanes) | SeparatedByEdges(lanes));
     *intersecting |= SignBits(Intersects(lanes)) & ~*disjoint;
     *disjoint |= apart & ~*intersecting;
