@@ -5,7 +5,9 @@ UBSAN_OPTIONS=print_stacktrace=1
 LSAN_OPTIONS=suppressions=$root/tests/presets/leak.supp:print_suppressions=0
 TSAN_OPTIONS=suppressions=$root/tests/presets/thread.supp:print_suppressions=0:second_deadlock_stack=1:die_after_fork=0
 MSAN_OPTIONS=print_stats=0
-export ASAN_OPTIONS UBSAN_OPTIONS LSAN_OPTIONS TSAN_OPTIONS MSAN_OPTIONS
+# Tests take up to thirty times as long.
+CK_TIMEOUT_MULTIPLIER=20
+export ASAN_OPTIONS UBSAN_OPTIONS LSAN_OPTIONS TSAN_OPTIONS MSAN_OPTIONS CK_TIMEOUT_MULTIPLIER
 
 # qc_hide_gl FOLDER: no GL device opens, since the loader finds empty files in FOLDER before the drivers. For the memory
 # sanitizer, for which drivers are not built.
