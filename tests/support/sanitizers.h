@@ -9,6 +9,9 @@
 #if __has_feature(thread_sanitizer)
 #define QC_HAS_THREAD_SANITIZER
 #endif
+#if __has_feature(memory_sanitizer)
+#define QC_HAS_MEMORY_SANITIZER
+#endif
 #elif defined(__SANITIZE_THREAD__)
 #define QC_HAS_THREAD_SANITIZER
 #endif
@@ -19,6 +22,18 @@ static inline bool qcChildrenCanStartThreads(void)
 {
 #ifdef QC_HAS_THREAD_SANITIZER
     printf("skipped: the thread sanitizer knows no threads of children\n");
+    return false;
+#else
+    return true;
+#endif
+}
+
+/// Whether fork() may wait for other threads. The memory sanitizer's fork() first takes the locks of its own allocator,
+/// and then calls the handlers that wait.
+static inline bool qcForksCanWait(void)
+{
+#ifdef QC_HAS_MEMORY_SANITIZER
+    printf("skipped: no thread allocates while the memory sanitizer forks\n");
     return false;
 #else
     return true;
