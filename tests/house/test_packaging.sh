@@ -61,7 +61,7 @@ if [ -f "$lib/libquickcullide.so" ]; then
     fi
     nm -D --defined-only "$lib/libquickcullide.so" | awk '{ print $3 }' >"$work/symbols"
     grep -q '^qcScene_Detect$' "$work/symbols"
-    if grep -vE '^(qc|__(a|m|t|ub)san_)' "$work/symbols"; then
+    if grep -v '^qc' "$work/symbols"; then
         fail "libquickcullide shows symbols that are not its own"
     fi
 fi
