@@ -10,8 +10,10 @@
 
 enum
 {
-    // Triangles whose indices are on their way from memory.
-    qc_prefetched = 16,
+    // Slots from a triangle to the one whose indices are fetched, and to the one whose vertices' numbers are (1 M
+    // triangles: 13.8 ms without the latter, 8.8 with it).
+    qc_indicesAhead = 32,
+    qc_numbersAhead = 8,
     // Parts that are numbered side by side; a part of so many slots takes 50 microseconds.
     qc_maxParts = 8,
     qc_minPart = 4096,
@@ -49,29 +51,42 @@ typedef struct Numbering
     size_t partCount;
 } Numbering;
 
+/// The indices of the triangle some slots later, or of any one.
+static const uint32_t* IndicesAhead(const Numbering* n, const Part* part, size_t slot, size_t ahead)
+{
+    size_t later = slot + ahead < part->end ? slot + ahead : slot;
+    return n->indices + 3 * (size_t)(n->triangles[later] != QC_NO_TRIANGLE ? n->triangles[later] : 0);
+}
+
 static void NumberPart(void* context, size_t i, uint32_t worker)
 {
     (void)worker;
     Numbering* n = context;
     Part* part = &n->parts[i];
-    const uint32_t *triangles = n->triangles, *indices = n->indices;
-    uint32_t *number = part->numbers, *used = part->used, count = 0;
+    uint32_t *numbers = part->numbers, *used = part->used, count = 0;
     if (n->vertexCount != 0)
-        memset(number, 0xff, n->vertexCount * sizeof(uint32_t));
+        memset(numbers, 0xff, n->vertexCount * sizeof(uint32_t));
     for (size_t slot = part->first; slot < part->end; slot++)
     {
-        size_t later = slot + qc_prefetched < part->end ? slot + qc_prefetched : slot;
-        __builtin_prefetch(indices + 3 * (size_t)(triangles[later] != QC_NO_TRIANGLE ? triangles[later] : 0));
-        const uint32_t* v = indices + 3 * (size_t)triangles[slot];
-        for (int k = 0; k < 3 && triangles[slot] != QC_NO_TRIANGLE; k++)
+        __builtin_prefetch(IndicesAhead(n, part, slot, qc_indicesAhead));
+        const uint32_t* soon = IndicesAhead(n, part, slot, qc_numbersAhead);
+        for (int k = 0; k < 3; k++)
+            __builtin_prefetch(&numbers[soon[k]], 1);
+        if (n->triangles[slot] == QC_NO_TRIANGLE)
+            continue;
+        qcCorners corners;
+        for (int k = 0; k < 3; k++)
         {
             // Without branches: a new vertex comes as if by chance.
-            bool isNew = number[v[k]] == UINT32_MAX;
-            used[count] = v[k];
-            number[v[k]] = isNew ? count : number[v[k]];
+            uint32_t vertex = n->indices[3 * (size_t)n->triangles[slot] + (size_t)k];
+            uint32_t number = numbers[vertex], isNew = number == UINT32_MAX;
+            number ^= (number ^ count) & (0 - isNew);
+            used[count] = vertex;
+            numbers[vertex] = number;
             count += isNew;
-            n->corners[slot].vertex[k] = number[v[k]];
+            corners.vertex[k] = number;
         }
+        n->corners[slot] = corners;
     }
     part->usedCount = count;
 }
