@@ -1,14 +1,16 @@
-// Halves the triangles recursively along the longest axis of their centroids (a k-d tree; Bentley 1975). A histogram
-// finds the bin of the median; only the triangles of that bin are looked at again.
+// Halves the triangles recursively along the longest axis of their centroids (a k-d tree; Bentley 1975). A histogram of
+// a sample bounds the median; only the triangles within these bounds are looked at again.
 #include "mesh/cluster_order.h"
 
 #include "mesh/limits.h"
+#include "mesh/small_order.h"
 #include "base/four_floats.h"
 #include "base/parallel_for.h"
 #include "base/radix_sort.h"
 #include "base/status.h"
 
 #include <float.h>
+#include <math.h>
 #include <stdbool.h>
 #include <string.h>
 
@@ -17,11 +19,14 @@ enum
     // A vertex with so many triangles is a hub: its triangles get nodes of their own, in which all are neighbours, so
     // that those nodes share one pair mask. Fewer than 16 nodes have few pairs.
     qc_hubValence = 1024,
-    // Ranges that are halved in parallel; one with fewer triangles takes less than half a millisecond.
+    // Ranges that are halved in parallel.
     qc_maxRanges = 8,
-    qc_minRange = 4096,
+    // Triangles, or vertices.
     qc_centroidBlock = 4096,
     qc_minBlocks = 4,
+    // The sample of a range has one of so many items, or fewer.
+    qc_minStride = 16,
+    qc_maxSample = 4096,
     // A histogram with fewer bins has more triangles in the bin of the median.
     qc_maxBins = 256,
     qc_binItems = 4, ///< items a bin, at least
@@ -31,20 +36,14 @@ enum
 
 #define QC_NO_HUB UINT32_MAX
 
-typedef struct Item
-{
-    float at[3]; ///< of the centroid, 0 .. 1 along the longest axis of the body
-    uint32_t triangle;
-} Item;
-
 typedef struct Order
 {
     const uint32_t* indices;
     const double* positions;
     uint32_t triangleCount, vertexCount;
     double low[3], scale; ///< of centroids
-    qcArray items;        ///< of Item
-    qcArray scratch;      ///< of Item, as many
+    qcArray items;        ///< of qcCentroid
+    qcArray scratch;      ///< of qcCentroid, as many, or of qcFourFloats by vertex
     qcArray valences;     ///< uint32_t, by vertex: its triangles
     uint32_t maxValence;
     uint32_t threads;
@@ -95,9 +94,25 @@ static void FindScale(Order* o)
 }
 
 /// Overflow may make it no number.
-static float Clamp(double x)
+static qcFourFloats Clamp(qcFourFloats at)
 {
-    return x > 0.0 ? (x < 1.0 ? (float)x : 1.0f) : 0.0f;
+    const qcFourFloats zero = {0.0f, 0.0f, 0.0f, 0.0f}, one = {1.0f, 1.0f, 1.0f, 1.0f};
+    return qcFourFloats_Min(qcFourFloats_Max(at, zero), one);
+}
+
+/// A third of each vertex's position, into the scratch.
+static void ScaleVertices(void* context, size_t block, uint32_t worker)
+{
+    (void)worker;
+    const Order* o = context;
+    uint32_t first = (uint32_t)block * qc_centroidBlock, left = o->vertexCount - first;
+    qcFourFloats* thirds = o->scratch.data;
+    for (uint32_t v = first; v < first + (left < qc_centroidBlock ? left : qc_centroidBlock); v++)
+    {
+        const double* p = o->positions + 3 * (size_t)v;
+        thirds[v] = (qcFourFloats){(float)((p[0] - o->low[0]) * o->scale), (float)((p[1] - o->low[1]) * o->scale),
+                                   (float)((p[2] - o->low[2]) * o->scale), 0.0f};
+    }
 }
 
 static void FindCentroids(void* context, size_t block, uint32_t worker)
@@ -105,15 +120,13 @@ static void FindCentroids(void* context, size_t block, uint32_t worker)
     (void)worker;
     const Order* o = context;
     uint32_t first = (uint32_t)block * qc_centroidBlock, left = o->triangleCount - first;
-    Item* items = o->items.data;
+    const qcFourFloats* thirds = o->scratch.data;
+    qcCentroid* items = o->items.data;
     for (uint32_t t = first; t < first + (left < qc_centroidBlock ? left : qc_centroidBlock); t++)
     {
         const uint32_t* c = Corners(o, t);
-        const double *p = o->positions + 3 * (size_t)c[0], *q = o->positions + 3 * (size_t)c[1],
-                     *r = o->positions + 3 * (size_t)c[2];
+        qcFourFloats_Store(Clamp(thirds[c[0]] + thirds[c[1]] + thirds[c[2]]), &items[t]);
         items[t].triangle = t;
-        for (int k = 0; k < 3; k++)
-            items[t].at[k] = Clamp((p[k] - o->low[k] + (q[k] - o->low[k]) + (r[k] - o->low[k])) * o->scale);
     }
 }
 
@@ -122,15 +135,16 @@ static void FindCentroids(void* context, size_t block, uint32_t worker)
 /// Items that lie side by side, and as much memory.
 typedef struct Range
 {
-    Item *items, *scratch;
+    qcCentroid *items, *scratch;
+    uint32_t* triangles; ///< the result
     uint32_t count;
 } Range;
 
-static void InsertAlong(Item* items, uint32_t count, int axis)
+static void InsertAlong(qcCentroid* items, uint32_t count, int axis)
 {
     for (uint32_t i = 1; i < count; i++)
     {
-        Item item = items[i];
+        qcCentroid item = items[i];
         uint32_t at = i;
         for (; at > 0 && items[at - 1].at[axis] > item.at[axis]; at--)
             items[at] = items[at - 1];
@@ -145,7 +159,7 @@ typedef struct Axis
     float low, high;
 } Axis;
 
-static Axis FindAxis(const Item* items, uint32_t count)
+static Axis FindAxis(const qcCentroid* items, uint32_t count)
 {
     // Two sets, so that no comparison waits for the last one. The lane of the triangle is not used.
     qcFourFloats low[2], high[2];
@@ -167,7 +181,7 @@ static Axis FindAxis(const Item* items, uint32_t count)
     return (Axis){longest, low[0][longest], high[0][longest]};
 }
 
-static void FindBounds(const Item* items, uint32_t count, Axis* axis)
+static void FindBounds(const qcCentroid* items, uint32_t count, Axis* axis)
 {
     axis->low = axis->high = items[0].at[axis->index];
     for (uint32_t i = 1; i < count; i++)
@@ -178,118 +192,163 @@ static void FindBounds(const Item* items, uint32_t count, Axis* axis)
     }
 }
 
-static uint32_t BinOf(const Item* item, const Axis* axis, float scale)
+/// Counts the items in equal parts of the axis.
+static void CountBins(const qcCentroid* items, uint32_t count, const Axis* axis, float scale, uint32_t binCount,
+                      uint32_t* counts)
 {
-    return (uint32_t)(int32_t)((item->at[axis->index] - axis->low) * scale);
-}
-
-/// The bin of the item with this rank.
-static uint32_t FindBin(const Item* items, uint32_t count, const Axis* axis, float scale, uint32_t binCount,
-                        uint32_t rank)
-{
-    uint32_t counts[2][qc_maxBins];
-    for (int i = 0; i < 2; i++)
-        memset(counts[i], 0, binCount * sizeof(uint32_t));
+    uint32_t others[qc_maxBins];
     // Two tables: neighbouring items are often in one bin, whose count would be waited for.
-    for (uint32_t i = 0; i + 1 < count; i += 2)
-    {
-        counts[0][BinOf(&items[i], axis, scale)]++;
-        counts[1][BinOf(&items[i + 1], axis, scale)]++;
-    }
-    if (count % 2 != 0)
-        counts[0][BinOf(&items[count - 1], axis, scale)]++;
-    uint32_t bin = 0, below = 0;
-    while (below + counts[0][bin] + counts[1][bin] <= rank)
-    {
-        below += counts[0][bin] + counts[1][bin];
-        bin++;
-    }
-    return bin;
+    uint32_t* tables[2] = {counts, others};
+    for (int i = 0; i < 2; i++)
+        memset(tables[i], 0, binCount * sizeof(uint32_t));
+    for (uint32_t i = 0; i < count; i++)
+        tables[i % 2][(uint32_t)(int32_t)((items[i].at[axis->index] - axis->low) * scale)]++;
+    for (uint32_t bin = 0; bin < binCount; bin++)
+        counts[bin] += others[bin];
 }
 
-/// Moves the items of lower bins to the front, those of higher bins to the end. Returns the range of the bin's own
-/// items. Without branches: each item is written to all places where it may belong.
-static Range SplitByBin(const Range* range, const Axis* axis, float scale, uint32_t bin)
+/// Values along an axis: from `low` to below `high`.
+typedef struct Band
 {
-    const float first = (float)bin, end = (float)(bin + 1);
-    Item *lower = range->items, *higher = range->scratch, *last = range->scratch + range->count - 1, *equal = last;
-    for (const Item *item = lower, *stop = lower + range->count; item != stop; item++)
+    int axis;
+    float low, high;
+} Band;
+
+/// The bins of the items with ranks within `reach` of this one. The items are not all equal.
+static Band FindBand(const qcCentroid* items, uint32_t count, const Axis* axis, uint32_t rank, uint32_t reach)
+{
+    Band band = {axis->index, 0.0f, FLT_MAX};
+    uint32_t counts[qc_maxBins];
+    uint32_t binCount = count / qc_binItems < qc_maxBins ? count / qc_binItems : qc_maxBins;
+    // Rounding must not lead behind the last bin.
+    float scale = (float)binCount * (1.0f - 0x1p-20f) / (axis->high - axis->low);
+    if (!(scale < FLT_MAX))
+        return band;
+    CountBins(items, count, axis, scale, binCount, counts);
+    uint32_t bin = 0, below = 0;
+    for (; bin < binCount && below + counts[bin] + reach <= rank; bin++)
+        below += counts[bin];
+    if (bin != 0)
+        band.low = axis->low + (float)bin / scale;
+    for (; bin < binCount && below <= rank + reach; bin++)
+        below += counts[bin];
+    if (bin != binCount)
+        band.high = axis->low + (float)bin / scale;
+    return band;
+}
+
+/// Floats from 0 on are in the order of their bits, which are compared in less time.
+static uint32_t Bits(const float* at)
+{
+    uint32_t bits;
+    memcpy(&bits, at, sizeof bits);
+    return bits;
+}
+
+/// Moves the items below the band to the front, those above it to the end. Returns the range of these three in which
+/// the item of this rank lies. Without branches: each item is written to all places where it may belong.
+static Range SplitByBand(const Range* range, const Band* band, uint32_t rank)
+{
+    const uint32_t first = Bits(&band->low), end = Bits(&band->high);
+    const int axis = band->axis;
+    qcCentroid *lower = range->items, *higher = range->scratch, *last = higher + range->count - 1, *within = last;
+    for (const qcCentroid *item = lower, *stop = lower + range->count; item != stop; item++)
     {
-        float at = (item->at[axis->index] - axis->low) * scale;
+        uint32_t at = Bits(&item->at[axis]);
         qcFourFloats copy = qcFourFloats_Load(item);
         qcFourFloats_Store(copy, lower);
         qcFourFloats_Store(copy, higher);
-        qcFourFloats_Store(copy, equal);
+        qcFourFloats_Store(copy, within);
         lower += at < first;
         higher += at >= end;
-        equal -= (at >= first) & (at < end);
+        within -= at - first < end - first;
     }
-    size_t count = (size_t)(last - equal), higherCount = (size_t)(higher - range->scratch);
-    memcpy(lower, equal + 1, count * sizeof(Item));
-    memcpy(lower + count, range->scratch, higherCount * sizeof(Item));
-    return (Range){lower, range->scratch, (uint32_t)count};
+    uint32_t count = (uint32_t)(last - within), higherCount = (uint32_t)(higher - range->scratch),
+             lowerCount = range->count - count - higherCount;
+    memcpy(lower, within + 1, count * sizeof(qcCentroid));
+    memcpy(lower + count, range->scratch, higherCount * sizeof(qcCentroid));
+    Range part = {range->items, range->scratch, NULL, lowerCount};
+    if (rank >= lowerCount)
+        part = (Range){lower, range->scratch, NULL, count};
+    if (rank >= lowerCount + count)
+        part = (Range){lower + count, range->scratch, NULL, higherCount};
+    return part;
 }
 
 /// Moves the `lower` items with the lowest values along the axis to the front.
-static void Partition(Range range, uint32_t lower, Axis axis)
+static void Partition(Range range, uint32_t lower, int index)
 {
-    while (lower != 0 && lower < range.count && range.count > qc_maxInserted && axis.low < axis.high)
+    while (lower != 0 && lower < range.count && range.count > qc_maxInserted)
     {
-        uint32_t binCount = range.count / qc_binItems < qc_maxBins ? range.count / qc_binItems : qc_maxBins;
-        // Rounding must not lead behind the last bin.
-        float scale = (float)binCount * (1.0f - 0x1p-20f) / (axis.high - axis.low);
-        if (!(scale < FLT_MAX))
-            break;
-        uint32_t bin = FindBin(range.items, range.count, &axis, scale, binCount, lower);
-        Range own = SplitByBin(&range, &axis, scale, bin);
-        lower -= (uint32_t)(own.items - range.items);
-        range = own;
+        Axis axis = {.index = index};
         FindBounds(range.items, range.count, &axis);
+        if (!(axis.low < axis.high))
+            return;
+        const Band band = FindBand(range.items, range.count, &axis, lower, 0);
+        Range part = SplitByBand(&range, &band, lower);
+        // They are equal, but for the last bit.
+        if (part.count == range.count)
+            return;
+        lower -= (uint32_t)(part.items - range.items);
+        range = part;
     }
     if (range.count <= qc_maxInserted)
-        InsertAlong(range.items, range.count, axis.index);
+        InsertAlong(range.items, range.count, index);
 }
 
-/// Splits the items in two halves; returns the count of the first. Cuts lie at multiples of the largest size * 8^k that
-/// fits, so that the triangles of eight nodes, and of eight times eight, lie together too.
-static uint32_t Cut(const Range* range, uint32_t size)
+/// Copies a sample of the items to the scratch: one of each stride, at random, since meshes repeat themselves.
+static uint32_t TakeSample(const Range* range)
 {
-    uint32_t whole = size;
-    while (whole < (range->count + 7) / 8)
-        whole *= 8;
-    uint32_t lower = ((range->count - 1) / whole + 2) / 2 * whole;
-    Partition(*range, lower, FindAxis(range->items, range->count));
-    return lower;
+    uint32_t stride = range->count / qc_maxSample, random = 1;
+    stride = stride > qc_minStride ? stride : qc_minStride;
+    uint32_t count = range->count / stride;
+    for (uint32_t i = 0; i < count; i++)
+    {
+        random = random * 1664525 + 1013904223; // Numerical Recipes' generator; its highest bits are the best
+        range->scratch[i] = range->items[i * stride + (random >> 16) % stride];
+    }
+    return count;
+}
+
+/// Moves the `lower` items with the lowest values along the longest axis of a sample to the front.
+static void Cut(const Range* range, uint32_t lower)
+{
+    Range part = *range;
+    uint32_t count = TakeSample(range), rank = (uint32_t)((uint64_t)lower * count / range->count);
+    Axis axis = FindAxis(range->scratch, count);
+    if (axis.low < axis.high)
+    {
+        // Three standard deviations. Where the item lies outside, more items are looked at again.
+        uint32_t reach = (uint32_t)(1.5f * sqrtf((float)count));
+        const Band band = FindBand(range->scratch, count, &axis, rank, reach);
+        part = SplitByBand(range, &band, lower);
+    }
+    Partition(part, lower - (uint32_t)(part.items - range->items), axis.index);
 }
 
 static Range UpperPart(const Range* range, uint32_t lower)
 {
-    return (Range){range->items + lower, range->scratch + lower, range->count - lower};
+    return (Range){range->items + lower, range->scratch + lower, range->triangles + lower, range->count - lower};
 }
 
-/// Splits down to groups of `size`; only the last one may have fewer.
-static void Halve(Range range, uint32_t size)
+/// Lists the triangles of a range by nodes and clusters.
+static void Halve(Range range)
 {
-    while (range.count > size)
+    while (range.count > qc_maxSmallOrder)
     {
-        uint32_t lower = Cut(&range, size);
-        Halve((Range){range.items, range.scratch, lower}, size);
+        uint32_t lower = qcSmallOrder_CutAt(range.count, qc_nodeSize);
+        Cut(&range, lower);
+        Halve((Range){range.items, range.scratch, range.triangles, lower});
         range = UpperPart(&range, lower);
     }
+    if (range.count != 0)
+        qcSmallOrder_Make(range.items, range.count, range.scratch, range.triangles);
 }
 
-/// Splits a range into nodes, and each node into clusters.
 static void HalveRange(void* context, size_t i, uint32_t worker)
 {
     (void)worker;
-    const Range* range = (const Range*)context + i;
-    Halve(*range, qc_nodeSize);
-    for (uint32_t k = 0; k < range->count; k += qc_nodeSize)
-    {
-        Range node = UpperPart(range, k);
-        node.count = node.count < qc_nodeSize ? node.count : qc_nodeSize;
-        Halve(node, qc_clusterSize);
-    }
+    Halve(((const Range*)context)[i]);
 }
 
 /// The ranges of a level, and where the upper parts go.
@@ -305,16 +364,17 @@ static void CutRange(void* context, size_t i, uint32_t worker)
     const Cuts* cuts = context;
     Range* range = &cuts->ranges[i];
     cuts->ranges[cuts->count + i] = UpperPart(range, range->count);
-    if (range->count < qc_minRange)
+    if (range->count <= qc_maxSmallOrder)
         return;
-    uint32_t lower = Cut(range, qc_nodeSize);
+    uint32_t lower = qcSmallOrder_CutAt(range->count, qc_nodeSize);
+    Cut(range, lower);
     cuts->ranges[cuts->count + i] = UpperPart(range, lower);
     range->count = lower;
 }
 
-static void HalveAll(const Order* o, Item* items, uint32_t count)
+static void HalveAll(const Order* o, qcCentroid* items, uint32_t count, uint32_t* triangles)
 {
-    Range ranges[qc_maxRanges] = {{items, o->scratch.data, count}};
+    Range ranges[qc_maxRanges] = {{items, o->scratch.data, triangles, count}};
     Cuts cuts = {ranges, 1};
     for (; o->threads > 1 && cuts.count < qc_maxRanges; cuts.count *= 2)
         qcParallel_For(o->threads, cuts.count, 2, CutRange, &cuts);
@@ -349,15 +409,15 @@ static bool HasHub(const Order* o)
 static qcStatus SortByHub(Order* o, qcArray* keys, qcArray* scratch)
 {
     uint32_t n = o->triangleCount;
-    const Item* items = o->items.data;
+    const qcCentroid* items = o->items.data;
     QC_TRY(qcArray_Resize(keys, n, sizeof(qcSortItem), "order of triangles"));
     for (uint32_t i = 0; i < n; i++)
         QC_AT(qcSortItem, *keys, i) = (qcSortItem){HubOf(o, items[i].triangle), i};
     QC_TRY(qcSort_Items(keys->data, n, scratch));
-    QC_TRY(qcArray_Resize(scratch, n, sizeof(Item), "order of triangles"));
+    QC_TRY(qcArray_Resize(scratch, n, sizeof(qcCentroid), "order of triangles"));
     for (uint32_t i = 0; i < n; i++)
-        QC_AT(Item, *scratch, i) = items[QC_AT(qcSortItem, *keys, i).value];
-    memcpy(o->items.data, scratch->data, n * sizeof(Item));
+        QC_AT(qcCentroid, *scratch, i) = items[QC_AT(qcSortItem, *keys, i).value];
+    memcpy(o->items.data, scratch->data, n * sizeof(qcCentroid));
     return qc_statusOk;
 }
 
@@ -365,20 +425,26 @@ static qcStatus SortByHub(Order* o, qcArray* keys, qcArray* scratch)
 
 static qcStatus Reserve(Order* o)
 {
-    QC_TRY(qcArray_Resize(&o->items, o->triangleCount, sizeof(Item), "order of triangles"));
-    QC_TRY(qcArray_Resize(&o->scratch, o->triangleCount, sizeof(Item), "order of triangles"));
+    QC_TRY(qcArray_Resize(&o->items, o->triangleCount, sizeof(qcCentroid), "order of triangles"));
+    uint32_t count = o->triangleCount > o->vertexCount ? o->triangleCount : o->vertexCount;
+    QC_TRY(qcArray_Resize(&o->scratch, count, sizeof(qcCentroid), "order of triangles"));
     return qcArray_Resize(&o->valences, o->vertexCount, sizeof(uint32_t), "order of triangles");
 }
 
 /// Appends the nodes of a group of items.
-static qcStatus AddNodes(Order* o, Item* items, uint32_t count, qcArray* slots)
+static qcStatus AddNodes(Order* o, qcCentroid* items, uint32_t count, qcArray* slots)
 {
-    HalveAll(o, items, count);
     size_t first = slots->count, nodes = ((size_t)count + qc_nodeSize - 1) / qc_nodeSize;
     QC_TRY(qcArray_Resize(slots, first + nodes * qc_nodeSize, sizeof(uint32_t), "order of triangles"));
-    for (uint32_t i = 0; i < nodes * qc_nodeSize; i++)
-        QC_AT(uint32_t, *slots, first + i) = i < count ? items[i].triangle : QC_NO_TRIANGLE;
+    HalveAll(o, items, count, &QC_AT(uint32_t, *slots, first));
+    for (size_t i = first + count; i < slots->count; i++)
+        QC_AT(uint32_t, *slots, i) = QC_NO_TRIANGLE;
     return qc_statusOk;
+}
+
+static size_t BlockCount(uint32_t count)
+{
+    return ((size_t)count + qc_centroidBlock - 1) / qc_centroidBlock;
 }
 
 static qcStatus Make(Order* o, qcArray* slots)
@@ -386,8 +452,8 @@ static qcStatus Make(Order* o, qcArray* slots)
     QC_TRY(Reserve(o));
     CountValences(o);
     FindScale(o);
-    size_t blocks = ((size_t)o->triangleCount + qc_centroidBlock - 1) / qc_centroidBlock;
-    qcParallel_For(o->threads, blocks, qc_minBlocks, FindCentroids, o);
+    qcParallel_For(o->threads, BlockCount(o->vertexCount), qc_minBlocks, ScaleVertices, o);
+    qcParallel_For(o->threads, BlockCount(o->triangleCount), qc_minBlocks, FindCentroids, o);
     bool hasHub = HasHub(o);
     if (hasHub)
     {
@@ -397,7 +463,7 @@ static qcStatus Make(Order* o, qcArray* slots)
         qcArray_Free(&scratch);
         QC_TRY(status);
     }
-    Item* items = o->items.data;
+    qcCentroid* items = o->items.data;
     for (uint32_t begin = 0, end; begin < o->triangleCount; begin = end)
     {
         end = hasHub ? begin + 1 : o->triangleCount;

@@ -1,0 +1,180 @@
+// The cluster order: each triangle once, wherever the triangles lie; clusters as small where coordinates span very
+// different sizes as elsewhere; the same order with any number of threads.
+#include "support/check_ok.h"
+#include "mesh/cluster_order.h"
+#include "mesh/limits.h"
+#include "support/soups.h"
+#include "support/suite.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define LENGTH(array) (sizeof(array) / sizeof(array)[0])
+
+/// The slots with these threads; nodes are full but for the last.
+static qcArray Order(const qcSoup* soup, uint32_t threads)
+{
+    qcArray slots = {0};
+    bool hasHub;
+    CHECK_OK(qcClusterOrder_Make(&slots, soup->indices, soup->triangleCount, soup->positions, soup->vertexCount,
+                                 threads, &hasHub));
+    ck_assert(!hasHub);
+    ck_assert_uint_eq(slots.count, ((size_t)soup->triangleCount + qc_nodeSize - 1) / qc_nodeSize * qc_nodeSize);
+    return slots;
+}
+
+static void CheckOnce(const qcSoup* soup, const qcArray* slots)
+{
+    char* seen = calloc(soup->triangleCount, 1);
+    ck_assert_ptr_nonnull(seen);
+    for (size_t i = 0; i < slots->count; i++)
+    {
+        uint32_t triangle = QC_AT(uint32_t, *slots, i);
+        ck_assert((triangle == QC_NO_TRIANGLE) == (i >= soup->triangleCount));
+        if (triangle == QC_NO_TRIANGLE)
+            continue;
+        ck_assert_uint_lt(triangle, soup->triangleCount);
+        ck_assert(!seen[triangle]);
+        seen[triangle] = 1;
+    }
+    free(seen);
+}
+
+/// Triangles without extent, at one point each.
+static qcSoup MakePoints(uint32_t count)
+{
+    qcSoup soup = {calloc(3 * (size_t)count, sizeof(double)), count, malloc(3 * (size_t)count * sizeof(uint32_t)),
+                   count};
+    ck_assert(soup.positions != NULL && soup.indices != NULL);
+    for (uint32_t i = 0; i < 3 * count; i++)
+        soup.indices[i] = i / 3;
+    return soup;
+}
+
+enum
+{
+    point_equal,
+    point_twoValues,
+    point_ascending,
+    point_descending,
+    point_halvings,  ///< 2^-k: half of them in any half of what is left
+    point_outliers,  ///< few that no sample has
+    point_lastBit,   ///< equal but for the last bits of a float
+    point_oneAndAll, ///< one triangle far from all others
+    point_kinds
+};
+
+static double Point(int kind, uint32_t i, uint32_t count, qcRandom* random)
+{
+    switch (kind)
+    {
+        case point_twoValues: return i % 3 == 0;
+        case point_ascending: return i;
+        case point_descending: return -(double)i;
+        case point_halvings: return ldexp(1.0, -(int)qcRandom_Below(random, 60));
+        case point_outliers: return i % 20011 == 7 ? 1.0 + i : 0.0;
+        case point_lastBit: return i == 0 ? 0.0 : 1.0 - ldexp(1.0, -24) * qcRandom_Below(random, 3);
+        case point_oneAndAll: return i == count / 2 ? 1e30 : qcRandom_Uniform(random, 0.0, 1.0);
+        default: return 5.0;
+    }
+}
+
+START_TEST(triangles_anywhere_stand_once_in_the_same_order_with_any_number_of_threads)
+{
+    const uint32_t counts[] = {1, 8, 9, 64, 65, 4095, 4096, 4097, 8193, 70001};
+    for (size_t n = 0; n < LENGTH(counts); n++)
+        for (int kind = 0; kind < point_kinds; kind++)
+        {
+            qcSoup soup = MakePoints(counts[n]);
+            qcRandom random = {(uint64_t)kind};
+            for (uint32_t i = 0; i < counts[n]; i++)
+                soup.positions[3 * (size_t)i + (size_t)(kind % 3)] = Point(kind, i, counts[n], &random);
+            qcArray slots = Order(&soup, 1), others = Order(&soup, 3);
+            CheckOnce(&soup, &slots);
+            ck_assert_mem_eq(slots.data, others.data, slots.count * sizeof(uint32_t));
+            qcArray_Free(&slots);
+            qcArray_Free(&others);
+            qcSoup_Free(&soup);
+        }
+}
+END_TEST
+
+/// The mean, over the clusters of triangles below `count` alone, of the cluster's longest side.
+static double MeanExtent(const qcSoup* soup, uint32_t count)
+{
+    qcArray slots = Order(soup, 1);
+    double sum = 0.0;
+    uint32_t clusters = 0;
+    for (size_t first = 0; first < slots.count; first += qc_clusterSize)
+    {
+        double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, longest = 0.0;
+        bool isOfThese = true;
+        for (size_t i = first; i < first + qc_clusterSize && isOfThese; i++)
+        {
+            double corners[3][3];
+            isOfThese = QC_AT(uint32_t, slots, i) < count;
+            if (isOfThese)
+                qcSoup_GetTriangle(soup, QC_AT(uint32_t, slots, i), corners);
+            for (int k = 0; k < 9 && isOfThese; k++)
+            {
+                low[k % 3] = fmin(low[k % 3], corners[k / 3][k % 3]);
+                high[k % 3] = fmax(high[k % 3], corners[k / 3][k % 3]);
+            }
+        }
+        if (!isOfThese)
+            continue;
+        for (int k = 0; k < 3; k++)
+            longest = fmax(longest, high[k] - low[k]);
+        sum += longest;
+        clusters++;
+    }
+    qcArray_Free(&slots);
+    ck_assert_uint_gt(clusters, count / 32);
+    return sum / clusters;
+}
+
+/// A grid over a square of this side, and more triangles in the unit box behind it.
+static qcSoup MakeDetail(uint32_t gridSide, double side, uint32_t others)
+{
+    qcSoup grid = qcSoup_MakeGrid(gridSide), soup = qcSoup_MakeRandom(1, others, 0.05);
+    uint32_t vertices = grid.vertexCount + soup.vertexCount, triangles = grid.triangleCount + soup.triangleCount;
+    grid.positions = realloc(grid.positions, 3 * (size_t)vertices * sizeof(double));
+    grid.indices = realloc(grid.indices, 3 * (size_t)triangles * sizeof(uint32_t));
+    ck_assert(grid.positions != NULL && grid.indices != NULL);
+    for (size_t i = 0; i < 3 * (size_t)grid.vertexCount; i++)
+        grid.positions[i] *= side;
+    memcpy(grid.positions + 3 * (size_t)grid.vertexCount, soup.positions,
+           3 * (size_t)soup.vertexCount * sizeof(double));
+    for (size_t i = 0; i < 3 * (size_t)soup.triangleCount; i++)
+        grid.indices[3 * (size_t)grid.triangleCount + i] = soup.indices[i] + grid.vertexCount;
+    grid.vertexCount = vertices;
+    grid.triangleCount = triangles;
+    qcSoup_Free(&soup);
+    return grid;
+}
+
+START_TEST(clusters_of_small_details_are_as_small_as_those_of_the_detail_alone)
+{
+    const double sides[] = {1e-2, 1e-3, 1e-4};
+    const struct
+    {
+        uint32_t gridSide, others;
+    } bodies[] = {{40, 200}, {40, 800}, {60, 3000}, {120, 300}};
+    for (size_t b = 0; b < LENGTH(bodies); b++)
+    {
+        qcSoup grid = qcSoup_MakeGrid(bodies[b].gridSide);
+        double alone = MeanExtent(&grid, grid.triangleCount);
+        for (size_t s = 0; s < LENGTH(sides); s++)
+        {
+            qcSoup soup = MakeDetail(bodies[b].gridSide, sides[s], bodies[b].others);
+            ck_assert_double_lt(MeanExtent(&soup, grid.triangleCount) / sides[s], 1.15 * alone);
+            qcSoup_Free(&soup);
+        }
+        qcSoup_Free(&grid);
+    }
+}
+END_TEST
+
+QC_RUN_TESTS("cluster order", triangles_anywhere_stand_once_in_the_same_order_with_any_number_of_threads,
+             clusters_of_small_details_are_as_small_as_those_of_the_detail_alone)
