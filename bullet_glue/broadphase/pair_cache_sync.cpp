@@ -3,6 +3,7 @@
 
 #include <LinearMath/btQuickprof.h>
 
+#include <climits>
 #include <utility>
 
 namespace
@@ -16,7 +17,7 @@ qcPairCacheSync::qcPairCacheSync(btOverlappingPairCache* cache)
     : m_cache(cache), m_ownsCache(cache == nullptr), m_earlyQueries(qc_earlyQueries)
 {
     if (m_ownsCache)
-        m_cache = new (btAlignedAlloc(sizeof(btHashedOverlappingPairCache), 16)) btHashedOverlappingPairCache();
+        m_cache = new (btAlignedAlloc(sizeof(qcPairCache), 16)) qcPairCache();
     m_knownPairCount = m_cache->getNumOverlappingPairs();
 }
 
@@ -80,6 +81,7 @@ void qcPairCacheSync::Destroy(qcProxy* proxy, btDispatcher* dispatcher)
         return;
     }
     proxy->state().destroyed = true;
+    m_destroyedCount++;
     m_proxies.Pend(proxy);
 }
 
@@ -97,6 +99,7 @@ void qcPairCacheSync::ApplyPending()
     {
         if (proxy->state().destroyed)
         {
+            m_destroyedCount--;
             Free(proxy);
             continue;
         }
@@ -120,10 +123,10 @@ bool qcPairCacheSync::AddIfAccepted(qcProxy* a, qcProxy* b)
         return false;
     // The filter may have destroyed a proxy, and may destroy one during the addition: Bullet's caches call it once
     // more.
-    if (!a->state().destroyed && !b->state().destroyed)
+    if (!IsDestroyed(a) && !IsDestroyed(b))
         m_cache->addOverlappingPair(a, b);
     for (qcProxy* proxy : {a, b})
-        if (proxy->state().destroyed)
+        if (IsDestroyed(proxy))
             m_cache->removeOverlappingPairsContainingProxy(proxy, nullptr);
     return true;
 }
@@ -148,8 +151,7 @@ void qcPairCacheSync::AddEarlyPair(qcProxy* a, qcProxy* b)
     if (a->m_uniqueId > b->m_uniqueId)
         std::swap(a, b);
     int before = m_cache->getNumOverlappingPairs();
-    if (a->state().destroyed || b->state().destroyed || !AddIfAccepted(a, b) ||
-        m_cache->getNumOverlappingPairs() <= before)
+    if (IsDestroyed(a) || IsDestroyed(b) || !AddIfAccepted(a, b) || m_cache->getNumOverlappingPairs() <= before)
         return;
     a->state().addedPairs = b->state().addedPairs = true;
     m_early.push_back(a);
@@ -191,7 +193,7 @@ void qcPairCacheSync::AddEarlyPairs(qcProxy* proxy)
 /// Lists a rejected pair. The next search calls the filter callback for it again.
 void qcPairCacheSync::Reject(qcProxy* a, qcProxy* b)
 {
-    if (m_filter == nullptr || a->state().destroyed || b->state().destroyed)
+    if (m_filter == nullptr || IsDestroyed(a) || IsDestroyed(b))
         return;
     m_rejected.push_back(a);
     m_rejected.push_back(b);
@@ -199,7 +201,7 @@ void qcPairCacheSync::Reject(qcProxy* a, qcProxy* b)
 
 void qcPairCacheSync::TestPair(qcProxy* a, qcProxy* b)
 {
-    if (a->state().destroyed || b->state().destroyed || !qcOverlap(a, b))
+    if (IsDestroyed(a) || IsDestroyed(b) || !qcOverlap(a, b))
         return;
     if (!AddIfAccepted(a, b))
         Reject(a, b);
@@ -222,7 +224,7 @@ void qcPairCacheSync::FilterRejected()
     {
         qcProxy *a = m_rejected[i], *b = m_rejected[i + 1];
         // Skips proxies that are queried again: their queries find these pairs.
-        if (a->state().destroyed || b->state().destroyed || m_proxies.NeedsQuery(a) || m_proxies.NeedsQuery(b) ||
+        if (IsDestroyed(a) || IsDestroyed(b) || m_proxies.NeedsQuery(a) || m_proxies.NeedsQuery(b) ||
             !qcOverlap(a, b) || AddIfAccepted(a, b))
             continue;
         m_rejected[kept++] = a;
@@ -251,13 +253,43 @@ void qcPairCacheSync::QueryPairs()
 
 void qcPairCacheSync::AddBegun(const qcBoxChanges& changes)
 {
-    for (size_t i = 0; i < changes.beganCount; i++)
+    // Queries find all pairs.
+    if (m_filterAll)
+        return;
+    if (m_ownsCache && changes.beganCount <= size_t(INT_MAX))
+        static_cast<qcPairCache*>(m_cache)->ReserveMore(int(changes.beganCount));
+    UpcomingPairs pairs[2];
+    FetchProxies(changes, 0, pairs[0]);
+    for (size_t first = 0, block = 0; first < changes.beganCount; first += qc_fetchedPairs, block++)
+    {
+        FetchProxies(changes, first + qc_fetchedPairs, pairs[(block + 1) % 2]);
+        AddFetched(pairs[block % 2]);
+    }
+}
+
+/// Fetches the proxies of the pairs from this one on that are added together.
+void qcPairCacheSync::FetchProxies(const qcBoxChanges& changes, size_t first, UpcomingPairs& pairs) const
+{
+    pairs.count = 0;
+    for (size_t i = first; i < changes.beganCount && pairs.count < qc_fetchedPairs; i++)
     {
         qcProxy *a = m_proxies.OfBox(changes.began[i].a), *b = m_proxies.OfBox(changes.began[i].b);
+        __builtin_prefetch(a);
+        __builtin_prefetch(b);
+        pairs.pair[pairs.count++] = {a, b, 0};
+    }
+}
+
+void qcPairCacheSync::AddFetched(UpcomingPairs& pairs)
+{
+    if (m_ownsCache)
+        static_cast<qcPairCache*>(m_cache)->Fetch(pairs.pair, pairs.count);
+    for (int i = 0; i < pairs.count; i++)
+    {
+        qcProxy *a = static_cast<qcProxy*>(pairs.pair[i].a), *b = static_cast<qcProxy*>(pairs.pair[i].b);
         // Skips proxies that are queried again: their queries find these pairs.
-        if (m_filterAll || (m_querying && (m_proxies.NeedsQuery(a) || m_proxies.NeedsQuery(b))))
-            continue;
-        TestPair(a, b);
+        if (!m_querying || (!m_proxies.NeedsQuery(a) && !m_proxies.NeedsQuery(b)))
+            TestPair(a, b);
     }
 }
 
@@ -267,17 +299,16 @@ void qcPairCacheSync::RemoveEnded(const qcBoxChanges& changes, btDispatcher* dis
     for (size_t i = 0; i < changes.endedCount; i++)
     {
         qcProxy *a = m_proxies.OfBox(changes.ended[i].a), *b = m_proxies.OfBox(changes.ended[i].b);
-        if (!a->state().destroyed && !b->state().destroyed)
+        if (!IsDestroyed(a) && !IsDestroyed(b))
             m_cache->removeOverlappingPair(a, b, dispatcher);
     }
     for (int i = 0; i < m_early.size(); i += 2)
     {
         qcProxy *a = m_early[i], *b = m_early[i + 1];
-        if (a->state().destroyed || b->state().destroyed ||
-            (qcOverlap(a, b) && m_cache->needsBroadphaseCollision(a, b)))
+        if (IsDestroyed(a) || IsDestroyed(b) || (qcOverlap(a, b) && m_cache->needsBroadphaseCollision(a, b)))
             continue;
         // A filter may have destroyed one, and with it the pair.
-        if (!a->state().destroyed && !b->state().destroyed)
+        if (!IsDestroyed(a) && !IsDestroyed(b))
             m_cache->removeOverlappingPair(a, b, dispatcher);
     }
 }
@@ -300,7 +331,7 @@ void qcPairCacheSync::UpdatePairs(const qcBoxChanges& changes, btDispatcher* dis
 bool qcPairCacheSync::IsAccepted(const btBroadphasePair& pair)
 {
     qcProxy *a = static_cast<qcProxy*>(pair.m_pProxy0), *b = static_cast<qcProxy*>(pair.m_pProxy1);
-    if (a == nullptr || b == nullptr || a->state().destroyed || b->state().destroyed)
+    if (a == nullptr || b == nullptr || IsDestroyed(a) || IsDestroyed(b))
         return false;
     if (!qcOverlap(a, b))
         return false;

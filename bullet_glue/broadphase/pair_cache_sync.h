@@ -2,10 +2,9 @@
 #ifndef QC_GLUE_BROADPHASE_PAIR_CACHE_SYNC_H
 #define QC_GLUE_BROADPHASE_PAIR_CACHE_SYNC_H
 
+#include "broadphase/pair_cache.h"
 #include "broadphase/proxy_set.h"
 #include "common/object_key.h"
-
-#include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 
 #include <atomic>
 
@@ -86,6 +85,19 @@ class qcPairCacheSync
   private:
     using Pairs = btAlignedObjectArray<qcProxy*>; ///< two entries a pair
 
+    /// New pairs that are added together, and whose memory is fetched ahead.
+    static constexpr int qc_fetchedPairs = 32;
+    struct UpcomingPairs
+    {
+        qcPairCache::Upcoming pair[qc_fetchedPairs];
+        int count;
+    };
+
+    /// Whether the proxy waits to be freed. Mostly none does, and no state is read.
+    bool IsDestroyed(const qcProxy* proxy) const
+    {
+        return m_destroyedCount != 0 && proxy->state().destroyed;
+    }
     void PendMove(qcProxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax);
     void MoveNow(qcProxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax);
     void Free(qcProxy* proxy);
@@ -100,6 +112,8 @@ class qcPairCacheSync
     void FilterRejected();
     void QueryPairs();
     void AddBegun(const qcBoxChanges& changes);
+    void FetchProxies(const qcBoxChanges& changes, size_t first, UpcomingPairs& pairs) const;
+    void AddFetched(UpcomingPairs& pairs);
     void RemoveEnded(const qcBoxChanges& changes, btDispatcher* dispatcher);
     void UpdatePairs(const qcBoxChanges& changes, btDispatcher* dispatcher);
     bool IsAccepted(const btBroadphasePair& pair);
@@ -112,6 +126,7 @@ class qcPairCacheSync
     bool m_ownsCache;
     std::atomic<int> m_iterations{0}; ///< queries and searches that are running
     unsigned m_destroyCount = 0;      ///< Destroy calls: a loop over pairs notices removed pairs by a change
+    int m_destroyedCount = 0;         ///< proxies that are freed at the end of the last iteration
     bool m_querying = false;          ///< the pairs of some proxies are queried again
     bool m_filterAll = false;         ///< all pairs are queried and filtered again
     int m_earlyQueries;               ///< proxies left whose pairs are added before the search

@@ -64,7 +64,7 @@ struct qcBoxes
     qcOverlapGraph overlaps;
     qcArray boxes;                 ///< qcBox, by id
     qcArray bounds;                ///< qcBounds, by id, set where the floats are not exact
-    qcArray userData;              ///< void*, by id
+    qcArray userData;              ///< void*, by id; null where there is no box
     qcArray freeIds;               ///< uint32_t, a heap with the lowest id on top
     qcArray movedBoxes;            ///< qcMovedBox
     qcArray hits;                  ///< qcOctetHit

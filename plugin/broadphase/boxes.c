@@ -291,6 +291,7 @@ qcStatus qcBoxes_Remove(qcBoxes* boxes, uint32_t id)
     qcOverlapGraph_RemoveEdgesOf(&boxes->overlaps, id);
     qcForest_Remove(&boxes->forest, id);
     qcBoxes_Box(boxes, id)->alive = false;
+    QC_AT(void*, boxes->userData, id) = NULL;
     PushFreeId(boxes, id);
     return qc_statusOk;
 }
@@ -347,8 +348,7 @@ uint32_t qcBoxes_GetCount(const qcBoxes* boxes)
 
 void* qcBoxes_GetUserData(const qcBoxes* boxes, uint32_t id)
 {
-    const qcBox* box = GetBox(boxes, id);
-    return box == NULL ? NULL : QC_AT(void*, boxes->userData, id);
+    return boxes == NULL || id >= boxes->boxes.count ? NULL : QC_AT(void*, boxes->userData, id);
 }
 
 __attribute__((noinline)) static void GetBounds(const qcBoxes* boxes, uint32_t id, double lower[3], double upper[3])
