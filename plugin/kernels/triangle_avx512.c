@@ -99,15 +99,60 @@ QC_INLINE uint32_t SignBits(Ints lanes)
     return _mm512_cmplt_epi32_mask((__m512i)lanes, _mm512_setzero_si512());
 }
 
-/// Two triangles of b at a time, against all of a. Equal vertices have a difference of zero, below all others.
+/// The lower halves of a row, four times.
+static inline __m512i LowHalves(__m256i row)
+{
+    return _mm512_broadcast_i32x4(_mm256_cvtepi32_epi16(row));
+}
+
+/// FindCommonVertices where all vertices have the same upper half: four triangles of b at a time, against all of a.
+static inline uint64_t FindCommonHalves(const __m256i a[3], const __m256i b[3])
+{
+    __m512i corner[3], other[3];
+    __m512i pick = _mm512_set_epi64(0x0706070607060706, 0x0706070607060706, 0x0504050405040504, 0x0504050405040504,
+                                    0x0302030203020302, 0x0302030203020302, 0x0100010001000100, 0x0100010001000100);
+    uint64_t common = 0;
+    for (int k = 0; k < 3; k++)
+    {
+        corner[k] = LowHalves(a[k]);
+        other[k] = LowHalves(b[k]);
+    }
+    for (int half = 0; half < 2; half++)
+    {
+        // Equal vertices have a difference of zero, below all others.
+        __m512i least = _mm512_set1_epi32(-1);
+        for (int k = 0; k < 3; k++)
+        {
+            __m512i vertex = _mm512_shuffle_epi8(other[k], pick);
+            for (int c = 0; c < 3; c++)
+                least = _mm512_min_epu16(least, _mm512_xor_si512(corner[c], vertex));
+        }
+        common |= (uint64_t)_mm512_testn_epi16_mask(least, least) << 32 * half;
+        pick = _mm512_add_epi8(pick, _mm512_set1_epi8(8));
+    }
+    return common;
+}
+
+/// Two triangles of b at a time, or four, against all of a.
 static inline uint64_t FindCommonVertices(const qcClusterVertices* a, const qcClusterVertices* b)
 {
+    __m256i rowsA[3], rowsB[3], first = _mm256_set1_epi32((int)a->vertex[0][0]), differing = _mm256_setzero_si256();
+    for (int k = 0; k < 3; k++)
+    {
+        rowsA[k] = _mm256_loadu_si256((const __m256i*)a->vertex[k]);
+        rowsB[k] = _mm256_loadu_si256((const __m256i*)b->vertex[k]);
+        differing = _mm256_or_si256(
+            differing, _mm256_or_si256(_mm256_xor_si256(rowsA[k], first), _mm256_xor_si256(rowsB[k], first)));
+    }
+    // Vertices are numbered along the clusters, so that those of close clusters mostly have one.
+    if (_mm256_testz_si256(differing, _mm256_set1_epi32((int)0xffff0000u)))
+        return FindCommonHalves(rowsA, rowsB);
     __m512i corner[3], other[3], pick = _mm512_inserti64x4(_mm512_setzero_si512(), _mm256_set1_epi32(1), 1);
     uint64_t common = 0;
     for (int k = 0; k < 3; k++)
     {
-        corner[k] = _mm512_broadcast_i64x4(_mm256_loadu_si256((const __m256i*)a->vertex[k]));
-        other[k] = _mm512_broadcast_i64x4(_mm256_loadu_si256((const __m256i*)b->vertex[k]));
+        corner[k] = _mm512_broadcast_i64x4(rowsA[k]);
+        other[k] = _mm512_broadcast_i64x4(rowsB[k]);
     }
     for (int v = 0; v < qc_clusterSize; v += 2)
     {

@@ -1,5 +1,5 @@
-// The box kernels of every instruction set that this CPU has, against one vertex, one box or one pair of boxes at a
-// time. (Boxes of another BVH: kernels/test_lattice_transform.c.)
+// The box kernels and the pair masks of every instruction set that this CPU has, against one vertex, one box or one
+// pair at a time. (Boxes of another BVH: kernels/test_lattice_transform.c.)
 #define _POSIX_C_SOURCE 200809L // setenv
 #include "kernels/boxes.h"
 #include "support/suite.h"
@@ -355,6 +355,64 @@ END_TEST
 
 //  ---- choice --------------------------------------------------------------------------------------
 
+//  ---- common vertices -----------------------------------------------------------------------------
+
+static bool HaveCommonVertex(const qcClusterVertices* a, int u, const qcClusterVertices* b, int v)
+{
+    bool common = false;
+    for (int i = 0; i < 9; i++)
+        common = common || a->vertex[i / 3][u] == b->vertex[i % 3][v];
+    return common;
+}
+
+/// Compares the mask of all clusters of two nodes with all pairs of their triangles.
+static void CheckPairMask(const qcTriangleKernels* k, const qcClusterVertices* a, const qcClusterVertices* b)
+{
+    uint64_t packed[qc_maxPairMaskSize + 1];
+    uint32_t neighbours = 0, found = k->findPairMask(a, b, UINT64_MAX, packed);
+    for (uint32_t word = 0; word < qc_pairMaskWords; word++)
+    {
+        uint32_t i = word % qc_boxLanes, j = word / qc_boxLanes;
+        uint64_t expected = 0;
+        for (int bit = 0; bit < 64; bit++)
+        {
+            int u = bit % 8, v = bit / 8;
+            if (a == b && (i > j || (i == j && u >= v)))
+                continue;
+            bool common = HaveCommonVertex(&a[i], u, &b[j], v);
+            neighbours += common;
+            expected |= (uint64_t)!common << bit;
+        }
+        uint64_t own = (packed[1] >> word & 1u) != 0 ? 0 : qcPairMask_Word(packed, word);
+        ck_assert_uint_eq(own, expected);
+    }
+    ck_assert_uint_eq(found, neighbours);
+}
+
+START_TEST(pairs_with_a_common_vertex_have_no_bit_whatever_the_numbers)
+{
+    // Numbers that differ in their lower halves alone, in the upper ones alone, and in both; also across 2^16 and 2^31.
+    const struct
+    {
+        uint32_t first, count, step;
+    } numbers[] = {{0, 40, 1},       {65500, 80, 1},      {7, 40, 65536},           {65535, 90, 65535},
+                   {1000, 300, 257}, {0, 4000000000u, 1}, {0x7ffffff0u, 40, 1},     {0, 90, 32768},
+                   {0, 3, 65536},    {3, 2, 1},           {UINT32_MAX - 500, 90, 1}};
+    qcRandom random = {5};
+    FOR_EACH_KERNELS(k)
+    for (size_t n = 0; n < LENGTH(numbers); n++)
+        for (int round = 0; round < 6; round++)
+        {
+            qcClusterVertices nodes[2][qc_boxLanes];
+            for (int i = 0; i < 2 * 8 * 24; i++)
+                nodes[i / 192][i / 24 % 8].vertex[i % 3][i / 3 % 8] =
+                    numbers[n].first + numbers[n].step * qcRandom_Below(&random, numbers[n].count);
+            CheckPairMask(k, nodes[0], nodes[1]);
+            CheckPairMask(k, nodes[0], nodes[0]);
+        }
+}
+END_TEST
+
 START_TEST(the_environment_selects_the_kernels)
 {
     unsetenv("QC_KERNELS");
@@ -374,4 +432,5 @@ END_TEST
 QC_RUN_TESTS("triangle_kernels", a_vertex_becomes_its_point_and_its_levels, boxes_of_triangles_and_their_rows_are_tight,
              boxes_of_nodes_are_those_of_their_children, bits_are_set_for_overlapping_boxes,
              bits_of_a_motion_are_set_for_boxes_that_no_order_separates,
-             collected_pairs_overlap_have_their_bit_set_and_are_not_excluded, the_environment_selects_the_kernels)
+             collected_pairs_overlap_have_their_bit_set_and_are_not_excluded,
+             pairs_with_a_common_vertex_have_no_bit_whatever_the_numbers, the_environment_selects_the_kernels)
