@@ -122,19 +122,44 @@ static inline __m128i ToLevels(__m256d scaled)
     return _mm_sub_epi32(_mm256_cvttpd_epi32(scaled), _mm_set1_epi32(32768));
 }
 
-static inline void TransformVertex(const qcLatticeTransform* lattice, const double* position, bool hasMargin,
-                                   qcPoint* point, qcBoxRow* row)
+typedef __m256d Position;
+
+static inline __m256d LoadDoublePosition(const double* x)
 {
-    __m256d x = _mm256_set_m128d(_mm_load_sd(position + 2), _mm_loadu_pd(position));
+    return _mm256_set_m128d(_mm_load_sd(x + 2), _mm_loadu_pd(x));
+}
+
+static inline __m256d LoadFloatPosition(const float* x)
+{
+    __m128 four = _mm_loadu_ps(x);
+    return _mm256_cvtps_pd(_mm_insert_ps(four, four, 0x08)); // the last becomes 0
+}
+
+static inline __m256d MinPositions(__m256d a, __m256d b)
+{
+    return _mm256_min_pd(a, b);
+}
+
+static inline __m256d MaxPositions(__m256d a, __m256d b)
+{
+    return _mm256_max_pd(a, b);
+}
+
+static inline void StorePoint(const qcLatticeTransform* lattice, __m256d x, qcPoint* point)
+{
+    __m256d fromOrigin = _mm256_sub_pd(x, _mm256_loadu_pd(lattice->origin));
+    _mm_storeu_ps(point->x, _mm256_cvtpd_ps(_mm256_mul_pd(fromOrigin, _mm256_loadu_pd(lattice->unit))));
+}
+
+/// The levels of two positions, the second one with the margin.
+static inline void StoreRow(const qcLatticeTransform* lattice, __m256d first, __m256d last, bool hasMargin,
+                            qcBoxRow* row)
+{
     __m256d origin = _mm256_loadu_pd(lattice->origin), scale = _mm256_loadu_pd(lattice->scale);
-    __m256d lower = _mm256_sub_pd(x, origin);
-    __m128i low = ToLevels(_mm256_mul_pd(lower, scale)), high = low;
     if (hasMargin)
-    {
-        __m256d upper = _mm256_sub_pd(_mm256_add_pd(x, _mm256_loadu_pd(lattice->margin)), origin);
-        high = ToLevels(_mm256_mul_pd(upper, scale));
-    }
-    _mm_storeu_ps(point->x, _mm256_cvtpd_ps(_mm256_mul_pd(lower, _mm256_loadu_pd(lattice->unit))));
+        last = _mm256_add_pd(last, _mm256_loadu_pd(lattice->margin));
+    __m128i low = ToLevels(_mm256_mul_pd(_mm256_sub_pd(first, origin), scale)),
+            high = ToLevels(_mm256_mul_pd(_mm256_sub_pd(last, origin), scale));
     __m128i ends = _mm_packs_epi32(low, high);
     _mm_storeu_si128((__m128i*)row, _mm_xor_si128(ends, _mm_set_epi64x(-1, 0)));
 }

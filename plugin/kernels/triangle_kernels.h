@@ -9,6 +9,7 @@
 #define QC_KERNELS_TRIANGLE_KERNELS_H
 
 #include "mesh/clusters.h"
+#include "mesh/node_vertices.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -47,11 +48,18 @@ typedef struct qcLatticeTransform
     double margin[4]; ///< upper ends are those of x + margin
 } qcLatticeTransform;
 
-/// The vertices to transform: vertexOf[i] is the index of vertex i in `positions`, three doubles each.
+/// Positions of a body's vertices, three numbers each: one of the two is null. vertexOf[i] is the index of vertex i.
+typedef struct qcVertexSource
+{
+    const double* doubles;
+    const float* floats; ///< one more float lies behind the last vertex
+    const uint32_t* vertexOf;
+} qcVertexSource;
+
+/// The vertices to transform.
 typedef struct qcVertexRange
 {
-    const double* positions;
-    const uint32_t* vertexOf;
+    qcVertexSource source;
     size_t first, end;
 } qcVertexRange;
 
@@ -199,6 +207,9 @@ typedef struct qcTriangleKernels
     /// Vertices to points and rows.
     void (*transformVertices)(const qcLatticeTransform* lattice, const qcVertexRange* range, qcPoint* points,
                               qcBoxRow* rows);
+    /// Writes the rows around the vertices of leaf nodes first .. end - 1: those around the rows of transformVertices.
+    void (*boundNodes)(const qcLatticeTransform* lattice, const qcVertexSource* source, const qcNodeVertices* vertices,
+                       size_t first, size_t end, qcBoxRow* rows);
     /// Fits boxes first .. end - 1 around eight triangles each, and writes the row around each of them. `vertices`: the
     /// rows of transformVertices.
     void (*fitTriangles)(const qcCorners* corners, const qcBoxRow* vertices, size_t first, size_t end, qcBox8* boxes,

@@ -1,11 +1,11 @@
 // The kernels, written once for all instruction sets: boxes here, the rest in the headers that this one includes. The
 // source of an instruction set defines before it includes this header: QC_LANES (floats in a vector), Shorts (eight
-// int16_t), MinShorts, MinFloats, MaxFloats, SquareRoot, Transpose (eight rows to eight columns), TransformVertex (one
-// vertex), FindBoxOverlaps, FindRowOverlaps (with one box), FindMotionBoxOverlaps (see findMotionOverlaps),
-// EightFloats, LoadEnds (eight ends to floats), StoreEnds (clamped ends of eight boxes along an axis; NaN is unbounded,
-// and boxes that are empty in `source` stay empty), and what kernels/cluster_planes.inl.h needs; and after it:
-// LoadPoints (QC_LANES points to three vectors) and SignBits (a bit for each lane that is true). LaneMask is the
-// instruction set's own form of comparisons, with AllLanes, IsAbove and LaneBits.
+// int16_t), MinShorts, MinFloats, MaxFloats, SquareRoot, Transpose (eight rows to eight columns), Position (a vertex in
+// doubles; LoadDoublePosition, StorePoint, StoreRow and the like), FindBoxOverlaps, FindRowOverlaps (with one box),
+// FindMotionBoxOverlaps, EightFloats, LoadEnds (eight ends to floats), StoreEnds (clamped ends of eight boxes along an
+// axis; NaN is unbounded, and boxes that are empty in `source` stay empty), and what kernels/cluster_planes.inl.h needs;
+// after it: LoadPoints (QC_LANES points to three vectors) and SignBits (a bit for each lane that is true). LaneMask is
+// the instruction set's own form of comparisons, with AllLanes, IsAbove and LaneBits.
 #ifndef QC_KERNELS_TRIANGLE_KERNELS_INL_H
 #define QC_KERNELS_TRIANGLE_KERNELS_INL_H
 
@@ -22,25 +22,92 @@ enum
     qc_verticesAhead = 24
 };
 
-QC_INLINE void TransformRange(const qcLatticeTransform* lattice, const qcVertexRange* range, bool hasMargin,
-                              qcPoint* points, qcBoxRow* rows)
+/// Vertex i of the source.
+QC_INLINE Position LoadPosition(const qcVertexSource* source, bool isFloat, size_t i)
+{
+    size_t at = 3 * (size_t)source->vertexOf[i];
+    return isFloat ? LoadFloatPosition(source->floats + at) : LoadDoublePosition(source->doubles + at);
+}
+
+QC_INLINE void FetchPosition(const qcVertexSource* source, bool isFloat, size_t i)
+{
+    size_t at = 3 * (size_t)source->vertexOf[i];
+    __builtin_prefetch(isFloat ? (const void*)(source->floats + at) : (const void*)(source->doubles + at));
+}
+
+/// Without a margin both ends are computed once.
+static bool HasMargin(const qcLatticeTransform* lattice)
+{
+    return lattice->margin[0] != 0.0 || lattice->margin[1] != 0.0 || lattice->margin[2] != 0.0;
+}
+
+QC_INLINE void TransformRange(const qcLatticeTransform* lattice, const qcVertexRange* range, bool isFloat,
+                              bool hasMargin, qcPoint* points, qcBoxRow* rows)
 {
     for (size_t i = range->first; i < range->end; i++)
     {
         if (i + qc_verticesAhead < range->end)
-            __builtin_prefetch(range->positions + 3 * (size_t)range->vertexOf[i + qc_verticesAhead]);
-        TransformVertex(lattice, range->positions + 3 * (size_t)range->vertexOf[i], hasMargin, &points[i], &rows[i]);
+            FetchPosition(&range->source, isFloat, i + qc_verticesAhead);
+        Position x = LoadPosition(&range->source, isFloat, i);
+        StorePoint(lattice, x, &points[i]);
+        StoreRow(lattice, x, x, hasMargin, &rows[i]);
     }
 }
 
 static void TransformVertices(const qcLatticeTransform* lattice, const qcVertexRange* range, qcPoint* points,
                               qcBoxRow* rows)
 {
-    // Without a margin both ends are computed once.
-    if (lattice->margin[0] != 0.0 || lattice->margin[1] != 0.0 || lattice->margin[2] != 0.0)
-        TransformRange(lattice, range, true, points, rows);
+    bool hasMargin = HasMargin(lattice);
+    if (range->source.floats != NULL)
+        hasMargin ? TransformRange(lattice, range, true, true, points, rows)
+                  : TransformRange(lattice, range, true, false, points, rows);
     else
-        TransformRange(lattice, range, false, points, rows);
+        hasMargin ? TransformRange(lattice, range, false, true, points, rows)
+                  : TransformRange(lattice, range, false, false, points, rows);
+}
+
+/// Roundings are monotone: the levels of the least and the greatest coordinates are those of the box around all rows.
+QC_INLINE void BoundRange(const qcLatticeTransform* lattice, const qcVertexSource* source, bool isFloat,
+                          const qcNodeVertices* vertices, size_t first, size_t end, qcBoxRow* rows)
+{
+    const uint32_t *firstOwn = vertices->firstOwn.data, *firstShared = vertices->firstShared.data;
+    const uint32_t* shared = vertices->shared.data;
+    bool hasMargin = HasMargin(lattice);
+    for (size_t node = first; node < end; node++)
+    {
+        uint32_t i = firstOwn[node], j = firstShared[node];
+        if (i == firstOwn[node + 1] && j == firstShared[node + 1])
+        {
+            for (int k = 0; k < 8; k++)
+                rows[node].ends[k] = qc_emptyEnd;
+            continue;
+        }
+        Position lower = LoadPosition(source, isFloat, i < firstOwn[node + 1] ? i : shared[j]), upper = lower;
+        for (; i < firstOwn[node + 1]; i++)
+        {
+            if (i + qc_verticesAhead < firstOwn[end])
+                FetchPosition(source, isFloat, i + qc_verticesAhead);
+            Position x = LoadPosition(source, isFloat, i);
+            lower = MinPositions(lower, x);
+            upper = MaxPositions(upper, x);
+        }
+        for (; j < firstShared[node + 1]; j++)
+        {
+            Position x = LoadPosition(source, isFloat, shared[j]);
+            lower = MinPositions(lower, x);
+            upper = MaxPositions(upper, x);
+        }
+        StoreRow(lattice, lower, upper, hasMargin, &rows[node]);
+    }
+}
+
+static void BoundNodes(const qcLatticeTransform* lattice, const qcVertexSource* source, const qcNodeVertices* vertices,
+                       size_t first, size_t end, qcBoxRow* rows)
+{
+    if (source->floats != NULL)
+        BoundRange(lattice, source, true, vertices, first, end, rows);
+    else
+        BoundRange(lattice, source, false, vertices, first, end, rows);
 }
 
 /// The row around eight.
@@ -162,8 +229,8 @@ static qcSlotPair* CollectPairs(const qcBvhBoxes* a, uint32_t nodeA, const qcBvh
 
 #define QC_KERNELS(title)                                                                                              \
     {                                                                                                                  \
-        .name = title, .transformVertices = TransformVertices, .fitTriangles = FitTriangles, .fitBoxes = FitBoxes,     \
-        .findOverlaps = FindOverlaps, .collectPairs = CollectPairs, .isPatchFlat = IsPatchFlat,                        \
+        .name = title, .transformVertices = TransformVertices, .boundNodes = BoundNodes, .fitTriangles = FitTriangles, \
+        .fitBoxes = FitBoxes, .findOverlaps = FindOverlaps, .collectPairs = CollectPairs, .isPatchFlat = IsPatchFlat,  \
         .transformBoxes = TransformBoxes, .transformTriangles = TransformTriangles,                                    \
         .collectTransformedPairs = CollectTransformedPairs, .filter = Filter, .relate = Relate, .classify = Classify,  \
         .filterNeighbours = FilterNeighbours, .findSeparatedFans = FindSeparatedFans,                                  \

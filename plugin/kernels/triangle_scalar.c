@@ -56,19 +56,55 @@ static inline void Transpose(const Shorts row[8], Shorts column[8])
         column[i] = (Shorts){row[0][i], row[1][i], row[2][i], row[3][i], row[4][i], row[5][i], row[6][i], row[7][i]};
 }
 
-static inline void TransformVertex(const qcLatticeTransform* lattice, const double* position, bool hasMargin,
-                                   qcPoint* point, qcBoxRow* row)
+typedef struct Position
+{
+    double x[3];
+} Position;
+
+static inline Position LoadDoublePosition(const double* x)
+{
+    return (Position){{x[0], x[1], x[2]}};
+}
+
+static inline Position LoadFloatPosition(const float* x)
+{
+    return (Position){{(double)x[0], (double)x[1], (double)x[2]}};
+}
+
+static inline Position MinPositions(Position a, Position b)
+{
+    for (int axis = 0; axis < 3; axis++)
+        a.x[axis] = a.x[axis] < b.x[axis] ? a.x[axis] : b.x[axis];
+    return a;
+}
+
+static inline Position MaxPositions(Position a, Position b)
+{
+    for (int axis = 0; axis < 3; axis++)
+        a.x[axis] = a.x[axis] > b.x[axis] ? a.x[axis] : b.x[axis];
+    return a;
+}
+
+static inline void StorePoint(const qcLatticeTransform* lattice, Position position, qcPoint* point)
+{
+    for (int axis = 0; axis < 3; axis++)
+        point->x[axis] = (float)((position.x[axis] - lattice->origin[axis]) * lattice->unit[axis]);
+    point->x[3] = 0.0f;
+}
+
+/// The levels of two positions, the second one with the margin.
+static inline void StoreRow(const qcLatticeTransform* lattice, Position first, Position last, bool hasMargin,
+                            qcBoxRow* row)
 {
     *row = (qcBoxRow){{0}};
     for (int axis = 0; axis < 3; axis++)
     {
-        double lower = position[axis] - lattice->origin[axis],
-               upper = hasMargin ? position[axis] + lattice->margin[axis] - lattice->origin[axis] : lower;
-        point->x[axis] = (float)(lower * lattice->unit[axis]);
+        double lower = first.x[axis] - lattice->origin[axis],
+               end = hasMargin ? last.x[axis] + lattice->margin[axis] : last.x[axis],
+               upper = end - lattice->origin[axis];
         row->ends[axis] = (int16_t)((int32_t)(lower * lattice->scale[axis]) - 32768);
         row->ends[axis + 4] = (int16_t) ~((int32_t)(upper * lattice->scale[axis]) - 32768);
     }
-    point->x[3] = 0.0f;
 }
 
 /// A bit for each lane of -1.

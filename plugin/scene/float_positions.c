@@ -3,10 +3,10 @@
 
 #include "base/status.h"
 
-/// Bytes of a position array, rounded up to whole cache lines.
+/// Bytes of a position array and one float more, rounded up to whole cache lines.
 static size_t ArrayBytes(const qcBody* body)
 {
-    return (3 * sizeof(float) * body->vertexCount + 63) / 64 * 64;
+    return (sizeof(float) * (3 * (size_t)body->vertexCount + 1) + 63) / 64 * 64;
 }
 
 static size_t ByteCount(const qcBody* body)

@@ -1,5 +1,6 @@
 // A deforming body's positions as floats, the caller's, for steps that read no others: doubles are made of those
-// vertices alone that a stage reads. Kept for bodies whose pairs a device finds.
+// vertices alone that a stage reads. Kept for bodies whose pairs a device finds, and for bodies without self-collision
+// in the sweep.
 #ifndef QC_SCENE_FLOAT_POSITIONS_H
 #define QC_SCENE_FLOAT_POSITIONS_H
 
@@ -9,7 +10,7 @@ struct qcFloatPositions
 {
     bool kept;    ///< the body's next positions are read here, if they are floats
     bool newest;  ///< qcBody::world is older
-    float* at;    ///< three a vertex
+    float* at;    ///< three a vertex, and one more
     float* spare; ///< as many: new positions are read here, and take effect only if all of them are finite
 };
 

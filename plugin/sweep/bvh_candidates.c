@@ -199,12 +199,29 @@ static void ReadVerletList(void* context, size_t i, uint32_t worker)
     qcVerletList_Find(&sweep->verletList, slot, job, worker);
 }
 
+/// Fits the visited leaf nodes of outlines.
+static qcStatus FitVisitedNodes(const Run* run)
+{
+    const qcStepTriangles* t = run->job->triangles;
+    for (uint32_t body = 0; body < t->bodyCount; body++)
+    {
+        if (!run->job->bodies[body] || !BvhOf(run, body)->bvh.fit.isOutline)
+            continue;
+        QC_TRY(qcTriangleBvh_FitNodes(&BvhOf(run, body)->bvh, qcStepTriangles_Body(t, body),
+                                      VisitedOf(run->sweep, body), run->sweep->kernels, run->job->threads,
+                                      &QC_AT(qcBvhScratch, run->sweep->refitScratch, 0)));
+    }
+    return qc_statusOk;
+}
+
 static qcStatus FindPairs(const Run* run)
 {
     qcBvhCandidates* sweep = run->sweep;
     size_t searchCount = 0;
     QC_TRY(MakeJobs(run, &searchCount));
-    QC_TRY(qcBvhPairs_Find(&sweep->pairs, sweep->jobs.data, searchCount, run->job->threads));
+    QC_TRY(qcBvhPairs_Begin(&sweep->pairs, sweep->jobs.data, searchCount, run->job->threads));
+    QC_TRY(FitVisitedNodes(run));
+    qcBvhPairs_Finish(&sweep->pairs, sweep->jobs.data, searchCount, run->job->threads);
     VerletJobs verlet = {run, searchCount};
     qcParallel_For(run->job->threads, sweep->jobs.count - searchCount, 2, ReadVerletList, &verlet);
     return qc_statusOk;

@@ -1,6 +1,7 @@
 // Which bodies have a BVH in this step, and its build, refit or partial refit.
 #include "base/parallel_for.h"
 #include "base/status.h"
+#include "scene/float_positions.h"
 #include "sweep/bvh/partial_refit.h"
 #include "sweep/bvh_candidates.h"
 
@@ -83,7 +84,10 @@ static void BuildOne(void* context, size_t i, uint32_t worker)
     if (qcTriangleBvh_HasGrown(&bvh->bvh))
         qcBodyBvh_Free(bvh);
     if (bvh->bvh.generation == 0)
+    {
+        qcFloatPositions_Convert(body);
         AddResult(tasks->sweep, worker, qcBodyBvh_Build(bvh, body, tasks->threads));
+    }
     else if (!qcBodyBvh_FindsSelfPairs(bvh))
         AddResult(tasks->sweep, worker, qcBodyBvh_PrepareSelf(bvh, tasks->threads));
     else
@@ -140,6 +144,14 @@ static double FitMargin(const qcBvhCandidatesJob* job, const qcBody* body, doubl
     return qcBvhCandidates_DistanceWithin(job, body->margin + maxMargin);
 }
 
+/// Whether leaf nodes of the body are fitted when a search has found them: of a body that only meets others. The first
+/// fit is a whole one, since the outline's lists take time.
+static bool IsOutlined(const qcBvhCandidatesJob* job, const qcTriangleBvh* bvh, const qcBody* body)
+{
+    return !job->triangles->motion && !qcBody_HasSelfCollision(body) && !qcTriangleBvh_FitsLocally(body) &&
+           bvh->fitCount != 0 && bvh->wholeFits == 0 && bvh->clusters.nodeCount > 1;
+}
+
 static void RefitOne(void* context, size_t i, uint32_t worker)
 {
     const Tasks* tasks = context;
@@ -149,11 +161,16 @@ static void RefitOne(void* context, size_t i, uint32_t worker)
     qcBodyBvh* bvh = qcBvhCandidates_At(sweep, qcStepTriangles_Slot(triangles, task->body));
     const qcBody* body = qcStepTriangles_Body(triangles, task->body);
     qcBvhScratch* scratch = &QC_AT(qcBvhScratch, sweep->refitScratch, worker);
+    if (triangles->motion)
+    {
+        AddResult(sweep, worker,
+                  qcTriangleBvh_FitMotion(&bvh->bvh, body, sweep->kernels, tasks->threads, scratch, &task->upToDate));
+        return;
+    }
     AddResult(sweep, worker,
-              triangles->motion
-                  ? qcTriangleBvh_FitMotion(&bvh->bvh, body, sweep->kernels, tasks->threads, scratch, &task->upToDate)
-                  : qcTriangleBvh_Fit(&bvh->bvh, body, FitMargin(tasks->job, body, tasks->maxMargin), sweep->kernels,
-                                      tasks->threads, scratch, &task->upToDate));
+              (IsOutlined(tasks->job, &bvh->bvh, body) ? qcTriangleBvh_FitOutline : qcTriangleBvh_Fit)(
+                  &bvh->bvh, body, FitMargin(tasks->job, body, tasks->maxMargin), sweep->kernels, tasks->threads,
+                  scratch, &task->upToDate));
 }
 
 /// Refits only the moved vertices, if the Verlet list allows for their motion: its pairs were found within a larger
@@ -175,8 +192,10 @@ static bool IsUpToDate(const qcBvhCandidatesJob* job, uint32_t slot, const qcBod
                        const qcBvhCandidates* sweep)
 {
     const qcTriangleBvh* bvh = &qcBvhCandidates_At(sweep, slot)->bvh;
-    return job->triangles->motion ? qcTriangleBvh_IsMotionUpToDate(bvh, body)
-                                  : qcTriangleBvh_IsUpToDate(bvh, body, FitMargin(job, body, maxMargin));
+    if (job->triangles->motion)
+        return qcTriangleBvh_IsMotionUpToDate(bvh, body);
+    return (IsOutlined(job, bvh, body) ? qcTriangleBvh_IsOutlineUpToDate
+                                       : qcTriangleBvh_IsUpToDate)(bvh, body, FitMargin(job, body, maxMargin));
 }
 
 /// Partial refits where they suffice, tasks for the other BVHs that aren't up to date.

@@ -85,7 +85,7 @@ START_TEST(a_vertex_becomes_its_point_and_its_levels)
         memset(rows, 0x55, sizeof rows);
         memset(points, 0x55, sizeof points);
         qcBoxRow untouched = rows[0];
-        qcVertexRange range = {positions, vertexOf, first, end};
+        qcVertexRange range = {{.doubles = positions, .vertexOf = vertexOf}, first, end};
         k->transformVertices(&map, &range, points, rows);
         for (size_t i = 0; i < count; i++)
         {
@@ -105,6 +105,98 @@ START_TEST(a_vertex_becomes_its_point_and_its_levels)
             }
             CHECK_THAT(points[i].x[3] == 0.0f, "%s: point %zu", k->name, i);
             CheckBox(BoxOfRow(&rows[i]), box, k->name, i);
+        }
+    }
+}
+END_TEST
+
+/// Random vertices as floats and, with equal values, as doubles; their lattice.
+typedef struct TwinVertices
+{
+    float floats[3 * 200 + 1];
+    double doubles[3 * 200];
+    uint32_t vertexOf[200];
+    qcLatticeTransform map;
+} TwinVertices;
+
+static TwinVertices MakeTwins(qcRandom* random, double origin, double margin)
+{
+    TwinVertices twins = {.floats = {0.0f}};
+    for (uint32_t i = 0; i < LENGTH(twins.doubles); i++)
+    {
+        twins.floats[i] = (float)(origin + qcRandom_Uniform(random, 0.0, 1.0));
+        twins.doubles[i] = (double)twins.floats[i];
+    }
+    twins.floats[LENGTH(twins.doubles)] = -1.0f;
+    for (uint32_t i = 0; i < LENGTH(twins.vertexOf); i++)
+        twins.vertexOf[i] = i * 7 % LENGTH(twins.vertexOf);
+    for (int axis = 0; axis < 3; axis++)
+    {
+        twins.map.origin[axis] = origin - 1e-3;
+        twins.map.margin[axis] = margin;
+        twins.map.scale[axis] = 65533.0 / 1.1;
+        twins.map.unit[axis] = 0.5;
+    }
+    return twins;
+}
+
+START_TEST(vertices_as_floats_become_the_points_and_levels_of_doubles)
+{
+    qcRandom random = {3};
+    FOR_EACH_KERNELS(k)
+    for (int round = 0; round < 40; round++)
+    {
+        TwinVertices twins = MakeTwins(&random, round % 2 == 0 ? 0.0 : 1000.0, round % 3 == 0 ? 0.0 : 0.01);
+        enum
+        {
+            count = LENGTH(twins.vertexOf)
+        };
+        qcPoint points[2][count];
+        qcBoxRow rows[2][count];
+        const qcVertexRange ofDoubles = {{.doubles = twins.doubles, .vertexOf = twins.vertexOf}, 0, count};
+        const qcVertexRange ofFloats = {{.floats = twins.floats, .vertexOf = twins.vertexOf}, 0, count};
+        k->transformVertices(&twins.map, &ofDoubles, points[0], rows[0]);
+        k->transformVertices(&twins.map, &ofFloats, points[1], rows[1]);
+        ck_assert_mem_eq(points[0], points[1], sizeof points[0]);
+        ck_assert_mem_eq(rows[0], rows[1], sizeof rows[0]);
+    }
+}
+END_TEST
+
+START_TEST(the_row_of_a_leaf_node_is_around_those_of_its_vertices)
+{
+    // Own vertices and shared ones, one kind alone, and none.
+    uint32_t firstOwn[] = {0, 40, 40, 90, 90, 200}, firstShared[] = {0, 0, 5, 9, 9, 12};
+    uint32_t shared[] = {3, 1, 39, 20, 7, 39, 2, 0, 11, 89, 45, 12};
+    const qcNodeVertices vertices = {
+        .firstOwn = {.data = firstOwn}, .firstShared = {.data = firstShared}, .shared = {.data = shared}};
+    qcRandom random = {4};
+    FOR_EACH_KERNELS(k)
+    for (int round = 0; round < 40; round++)
+    {
+        TwinVertices twins = MakeTwins(&random, round % 2 == 0 ? 0.0 : -1000.0, round % 3 == 0 ? 0.0 : 0.01);
+        enum
+        {
+            count = LENGTH(twins.vertexOf),
+            nodeCount = LENGTH(firstOwn) - 1
+        };
+        qcPoint points[count];
+        qcBoxRow rows[count], around[nodeCount];
+        qcVertexSource source = {.doubles = twins.doubles, .vertexOf = twins.vertexOf};
+        const qcVertexRange all = {source, 0, count};
+        k->transformVertices(&twins.map, &all, points, rows);
+        if (round % 4 < 2)
+            source = (qcVertexSource){.floats = twins.floats, .vertexOf = twins.vertexOf};
+        k->boundNodes(&twins.map, &source, &vertices, 0, 2, around);
+        k->boundNodes(&twins.map, &source, &vertices, 2, nodeCount, around);
+        for (size_t node = 0; node < nodeCount; node++)
+        {
+            Box box = EmptyBox();
+            for (uint32_t i = firstOwn[node]; i < firstOwn[node + 1]; i++)
+                box = Around(box, BoxOfRow(&rows[i]));
+            for (uint32_t j = firstShared[node]; j < firstShared[node + 1]; j++)
+                box = Around(box, BoxOfRow(&rows[shared[j]]));
+            CheckBox(BoxOfRow(&around[node]), box, k->name, node);
         }
     }
 }
@@ -429,7 +521,9 @@ START_TEST(the_environment_selects_the_kernels)
 }
 END_TEST
 
-QC_RUN_TESTS("triangle_kernels", a_vertex_becomes_its_point_and_its_levels, boxes_of_triangles_and_their_rows_are_tight,
+QC_RUN_TESTS("triangle_kernels", a_vertex_becomes_its_point_and_its_levels,
+             vertices_as_floats_become_the_points_and_levels_of_doubles,
+             the_row_of_a_leaf_node_is_around_those_of_its_vertices, boxes_of_triangles_and_their_rows_are_tight,
              boxes_of_nodes_are_those_of_their_children, bits_are_set_for_overlapping_boxes,
              bits_of_a_motion_are_set_for_boxes_that_no_order_separates,
              collected_pairs_overlap_have_their_bit_set_and_are_not_excluded,

@@ -155,15 +155,20 @@ static uint64_t FindClusterOverlaps(Queue* queue, NodePair nodes)
     return s->job->kernels->findOverlaps(&BoxesOf(s->a, &s->a->fit).nodes[nodes.a], &queue->transformed);
 }
 
+static void MarkVisited(const qcBvhPairsJob* job, NodePair nodes)
+{
+    if (job->visitedA != NULL)
+        __atomic_store_n(&job->visitedA[nodes.a], 1, __ATOMIC_RELAXED);
+    if (job->visitedB != NULL)
+        __atomic_store_n(&job->visitedB[nodes.b], 1, __ATOMIC_RELAXED);
+}
+
 static void CompareLeafNodes(Queue* queue, NodePair nodes)
 {
     uint32_t number = nodes.search, a = nodes.a, b = nodes.b;
     const Search* s = queue->search;
     const qcBvhPairsJob* job = s->job;
-    if (job->visitedA != NULL)
-        __atomic_store_n(&job->visitedA[a], 1, __ATOMIC_RELAXED);
-    if (job->visitedB != NULL)
-        __atomic_store_n(&job->visitedB[b], 1, __ATOMIC_RELAXED);
+    MarkVisited(job, nodes);
     if (queue->end - queue->pairs >= qc_queueFull)
         Flush(queue);
     Rules rules;
@@ -533,7 +538,7 @@ static double SizeOfAll(const Run* run)
     return clusters;
 }
 
-/// Each search gets a share in proportion to its clusters.
+/// Each search gets a share in proportion to its clusters; one of an outline goes down to leaf nodes.
 static qcStatus FindAllNodePairs(const Run* run, double clusters, uint32_t threads)
 {
     qcArray* nodePairs = &run->memory->nodePairs;
@@ -541,8 +546,13 @@ static qcStatus FindAllNodePairs(const Run* run, double clusters, uint32_t threa
     nodePairs->count = 0;
     for (size_t i = 0; i < run->jobCount; i++)
     {
-        double enough = total * (double)SizeOf(&run->jobs[i]) / clusters;
-        QC_TRY(FindNodePairs(nodePairs, SearchAt(run, i), (uint32_t)i, (size_t)enough));
+        const qcBvhPairsJob* job = &run->jobs[i];
+        bool isOutline = job->a->bvh.fit.isOutline || job->b->bvh.fit.isOutline;
+        size_t first = nodePairs->count;
+        double enough = total * (double)SizeOf(job) / clusters;
+        QC_TRY(FindNodePairs(nodePairs, SearchAt(run, i), (uint32_t)i, isOutline ? SIZE_MAX : (size_t)enough));
+        for (size_t k = first; isOutline && k < nodePairs->count; k++)
+            MarkVisited(job, QC_AT(NodePair, *nodePairs, k));
     }
     return qc_statusOk;
 }
@@ -570,7 +580,13 @@ static void SearchTask(void* context, size_t task, uint32_t worker)
     Flush(&queue);
 }
 
-qcStatus qcBvhPairs_Find(qcBvhPairs* pairs, const qcBvhPairsJob* jobs, size_t jobCount, uint32_t threads)
+/// Few clusters stay on one thread.
+static uint32_t ThreadsFor(double clusters, uint32_t threads)
+{
+    return clusters < qc_minClusters ? 1 : threads;
+}
+
+qcStatus qcBvhPairs_Begin(qcBvhPairs* pairs, const qcBvhPairsJob* jobs, size_t jobCount, uint32_t threads)
 {
     Run run = {.memory = pairs, .jobs = jobs, .jobCount = jobCount};
     QC_TRY(qcArray_Resize(&pairs->searches, jobCount, sizeof(Search), "searches of BVHs"));
@@ -580,12 +596,23 @@ qcStatus qcBvhPairs_Find(qcBvhPairs* pairs, const qcBvhPairsJob* jobs, size_t jo
     QC_TRY(qcArray_Resize(&pairs->planes, threads, sizeof(qcPlaneCache), "planes of clusters"));
     qcParallel_For(threads, (jobCount + qc_searchBlock - 1) / qc_searchBlock, qc_minSearchBlocks, PrepareBlock, &run);
     double clusters = SizeOfAll(&run);
-    threads = clusters < qc_minClusters ? 1 : threads;
-    QC_TRY(FindAllNodePairs(&run, clusters, threads));
+    return FindAllNodePairs(&run, clusters, ThreadsFor(clusters, threads));
+}
+
+void qcBvhPairs_Finish(qcBvhPairs* pairs, const qcBvhPairsJob* jobs, size_t jobCount, uint32_t threads)
+{
+    Run run = {.memory = pairs, .jobs = jobs, .jobCount = jobCount};
+    threads = ThreadsFor(SizeOfAll(&run), threads);
     size_t count = pairs->nodePairs.count;
     run.share = threads > 1 ? count / ((size_t)threads * qc_tasksPerThread) + 1 : count;
     if (count != 0)
         qcParallel_For(threads, (count + run.share - 1) / run.share, 2, SearchTask, &run);
+}
+
+qcStatus qcBvhPairs_Find(qcBvhPairs* pairs, const qcBvhPairsJob* jobs, size_t jobCount, uint32_t threads)
+{
+    QC_TRY(qcBvhPairs_Begin(pairs, jobs, jobCount, threads));
+    qcBvhPairs_Finish(pairs, jobs, jobCount, threads);
     return qc_statusOk;
 }
 

@@ -26,7 +26,8 @@ typedef struct qcBvhPairsJob
     bool motion;
     /// Grows by the pairs of neighbours that are left out, of a body without adjacency. May be null.
     uint64_t* neighbourCount;
-    uint8_t *visitedA, *visitedB; ///< by leaf node: set to 1 if it was compared with one of the other. May be null
+    /// By leaf node: set to 1 if it is compared with one of the other. May be null, except that of an outline.
+    uint8_t *visitedA, *visitedB;
     qcBvhPairsFunction* function;
     void* context;
 } qcBvhPairsJob;
@@ -41,7 +42,12 @@ typedef struct qcBvhPairs
     qcArray planes;    ///< of qcPlaneCache, one for each worker
 } qcBvhPairs;
 
-/// Does all jobs, in parallel. The BVHs of a job are fitted with a margin of `query` or more, unless one is local.
+/// Begins all jobs: finds pairs of nodes and, where a BVH of the job is an outline, all pairs of leaf nodes, and marks
+/// these as visited. The BVHs of a job are fitted with a margin of `query` or more, unless one is local.
+qcStatus qcBvhPairs_Begin(qcBvhPairs* pairs, const qcBvhPairsJob* jobs, size_t jobCount, uint32_t threads);
+/// Finds the pairs of triangles of the same jobs, in parallel. The visited leaf nodes of outlines are fitted.
+void qcBvhPairs_Finish(qcBvhPairs* pairs, const qcBvhPairsJob* jobs, size_t jobCount, uint32_t threads);
+/// Both, where no BVH is an outline.
 qcStatus qcBvhPairs_Find(qcBvhPairs* pairs, const qcBvhPairsJob* jobs, size_t jobCount, uint32_t threads);
 void qcBvhPairs_Free(qcBvhPairs* pairs);
 

@@ -118,7 +118,7 @@ static void MoveVertices(qcBodyBvh* bodyBvh, const qcBody* body, double maxMotio
     {
         uint32_t vertex = QC_AT(uint32_t, reference->movedVertices, k);
         size_t at = 3 * (size_t)QC_AT(uint32_t, bvh->vertexOf, vertex);
-        qcVertexRange one = {body->world, bvh->vertexOf.data, vertex, vertex + 1};
+        const qcVertexRange one = {{.doubles = body->world, .vertexOf = bvh->vertexOf.data}, vertex, vertex + 1};
         kernels->transformVertices(&bvh->fit.lattice, &one, bvh->fit.points.data, rows);
         MoveFan(bodyBvh, vertex, FlagOf(positions + at, body->world + at, maxMotion), &rows[vertex]);
     }

@@ -21,14 +21,25 @@ typedef struct qcBvhFit
     qcArray boxes;  ///< of qcBox8: triangles of clusters, clusters of leaf nodes, and so on
     qcBox8 root;    ///< one box around all
     bool fitted;
-    bool isLocal;      ///< in the local coordinates of a rigid body, without a margin: valid wherever it moves
-    uint64_t fitCount; ///< qcTriangleBvh::fitCount at the fit or partial refit
-    uint64_t revision; ///< qcBody::moved of the positions
+    /// Boxes and points of leaf nodes are fitted on demand: those of the marked nodes are valid, the others are not.
+    bool isOutline;
+    qcArray fittedNodes;  ///< uint8_t by leaf node, of an outline
+    uint32_t fittedCount; ///< of them
+    bool isLocal;         ///< in the local coordinates of a rigid body, without a margin: valid wherever it moves
+    uint64_t fitCount;    ///< qcTriangleBvh::fitCount at the fit or partial refit
+    uint64_t revision;    ///< qcBody::moved of the positions
     double margin;
     qcLatticeTransform lattice;
     double latticeExtent[3]; ///< max of x + margin - origin
     float pointError;        ///< max error of a coordinate of points
 } qcBvhFit;
+
+/// The sum of the extents of boxes, at the first and the last fit that was measured.
+typedef struct qcBvhExtent
+{
+    double first, last;
+    uint64_t measuredFit; ///< qcTriangleBvh::fitCount of the latter
+} qcBvhExtent;
 
 typedef struct qcTriangleBvh
 {
@@ -42,12 +53,14 @@ typedef struct qcTriangleBvh
     size_t firstBox8[qc_maxLevels];
     size_t box8Count[qc_maxLevels];
     size_t totalBox8Count;
+    qcNodeVertices nodeVertices; ///< listed by the first outline
 
-    uint64_t fitCount;              ///< fits and partial refits so far
-    double firstExtent, lastExtent; ///< of all clusters' boxes, at the first and the last fit that was measured
-    uint64_t measuredFit;           ///< fitCount of the latter
-    qcBvhFit fit;                   ///< to the present positions
-    qcBvhFit startFit; ///< to those of the start of a motion; unused where they are equal, and for local fits
+    uint64_t fitCount;         ///< fits and partial refits so far
+    qcBvhExtent clusterExtent; ///< of the boxes of all clusters, at whole fits in the world
+    qcBvhExtent nodeExtent;    ///< of the boxes of all leaf nodes, at outlines
+    uint32_t wholeFits;        ///< fits until an outline pays again
+    qcBvhFit fit;              ///< to the present positions
+    qcBvhFit startFit;         ///< to those of the start of a motion; unused where they are equal, and for local fits
 } qcTriangleBvh;
 
 /// Memory for fitting, reused for one BVH after another.
@@ -56,6 +69,7 @@ typedef struct qcBvhScratch
     qcArray positions; ///< double, three a vertex: a rigid body's, in the world
     qcArray vertices;  ///< of qcBoxRow
     qcArray rows;      ///< of qcBoxRow: around each qcBox8 of all levels
+    qcArray marks;     ///< uint8_t by block of vertices: they belong to a node that is fitted
 } qcBvhScratch;
 
 /// For a body with triangles. O(triangles log triangles). On failure nothing is left.
@@ -66,6 +80,17 @@ qcStatus qcTriangleBvh_Build(qcTriangleBvh* bvh, const qcBody* body, uint32_t th
 /// transform nearly flattens it. `fits` is false if no lattice can hold the body (too large for doubles). O(triangles).
 qcStatus qcTriangleBvh_Fit(qcTriangleBvh* bvh, const qcBody* body, double margin, const qcTriangleKernels* kernels,
                            uint32_t threads, qcBvhScratch* scratch, bool* fits);
+
+/// Like qcTriangleBvh_Fit for a body in world coordinates, but leaves leaf nodes without boxes and points. All boxes
+/// above them are equal. O(vertices).
+qcStatus qcTriangleBvh_FitOutline(qcTriangleBvh* bvh, const qcBody* body, double margin,
+                                  const qcTriangleKernels* kernels, uint32_t threads, qcBvhScratch* scratch,
+                                  bool* fits);
+
+/// Fits the flagged leaf nodes of an outline that aren't fitted yet, as qcTriangleBvh_Fit does; the body hasn't moved
+/// since. O(leaf nodes + vertices of flagged ones).
+qcStatus qcTriangleBvh_FitNodes(qcTriangleBvh* bvh, const qcBody* body, const uint8_t* flags,
+                                const qcTriangleKernels* kernels, uint32_t threads, qcBvhScratch* scratch);
 
 /// Fits the BVH for a motion: `startFit` to the start, `fit` to the present with a margin of 0 or more, or both to
 /// local coordinates. The last fit becomes the start's if it is that of these positions.
@@ -86,11 +111,18 @@ bool qcTriangleBvh_FitsLocally(const qcBody* body);
 
 /// True if qcTriangleBvh_Fit has nothing to do.
 bool qcTriangleBvh_IsUpToDate(const qcTriangleBvh* bvh, const qcBody* body, double margin);
+/// True if qcTriangleBvh_FitOutline has nothing to do.
+bool qcTriangleBvh_IsOutlineUpToDate(const qcTriangleBvh* bvh, const qcBody* body, double margin);
+
+static inline bool qcBvhExtent_HasGrown(const qcBvhExtent* extent)
+{
+    return extent->first > 0.0 && extent->last > 3.0 * extent->first;
+}
 
 /// True if clusters have become so long, since triangles that were close have parted, that a new order pays.
 static inline bool qcTriangleBvh_HasGrown(const qcTriangleBvh* bvh)
 {
-    return bvh->firstExtent > 0.0 && bvh->lastExtent > 3.0 * bvh->firstExtent;
+    return qcBvhExtent_HasGrown(&bvh->clusterExtent) || qcBvhExtent_HasGrown(&bvh->nodeExtent);
 }
 
 /// A distance in the frame of the points, rounded up.
