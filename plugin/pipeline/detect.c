@@ -202,8 +202,8 @@ static qcStatus RunStages(const qcStep* step, qcBodies* bodies, double start, qc
     const qcCandidates* candidates = &d->triangleStage.candidates;
     QC_TRY(qcPcsReport_Fill(triangles, &d->pcs, candidates, step->plan.useImage, step->def, &d->pcsReport));
     QC_TRY(qcVertexBuffers_Gather(step, triangles, candidates, &d->pcsReport, &d->vertexBuffers, &profile));
-    if (profile.partsOnDevice != 0 && qcVertexBuffers_SufficeFor(step))
-        QC_TRY(qcVertexBuffers_KeepFloats(bodies, triangles, routing->onDevice.data));
+    if (qcVertexBuffers_SufficeFor(step))
+        QC_TRY(qcVertexBuffers_KeepFloats(bodies, triangles, routing->onDevice.data, routing->handledElsewhere.data));
     Enter(step, "qcScene exact");
     QC_TRY(Leave(step, qcNarrowphase_Run(triangles, candidates, step->def, step->threads, &d->narrowphase, &profile)));
     Lap(&lap);

@@ -90,9 +90,10 @@ qcStatus qcMethodStage_Cull(const qcStep* step, const qcStepTriangles* triangles
     qcIslandRouting* routing = &stage->routing;
     QC_TRY(qcIslandRouting_ChooseDevice(step, triangles, pairs, routing, profile));
     QC_TRY(RunLayers(step, triangles, pairs, stage, profile));
-    QC_TRY(qcVertexBuffers_CompleteOthers(triangles, routing->onDevice.data, &profile->readBackBytes));
+    QC_TRY(qcVertexBuffers_CompleteOthers(step, triangles, routing->onDevice.data, &profile->readBackBytes));
     const qcBvhCandidatesJob bvhJob = BvhJob(step, triangles, pairs, routing);
     QC_TRY(qcIslandRouting_PrepareBvhs(step, &bvhJob, &stage->bvhs, routing));
+    qcVertexBuffers_LeaveFloats(triangles, pairs, routing->handledElsewhere.data);
     // The paper culls whole bodies at the sub-object level; brute force leaves out nothing.
     bool wholeBodies = step->plan.useImage || step->plan.method == qc_methodBrute;
     qcBodyPairs_MarkTriangles(pairs, triangles, step->queryDistance, wholeBodies, routing->handledElsewhere.data, pcs,

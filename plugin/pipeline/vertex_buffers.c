@@ -62,16 +62,17 @@ void qcVertexBuffers_Release(qcBody* body)
 
 bool qcVertexBuffers_SufficeFor(const qcStep* step)
 {
-    bool onDevice = step->plan.method == qc_methodAuto || step->plan.method == qc_methodLayers;
-    return onDevice && step->def->contactMargin == 0.0 && !step->def->manifolds && !step->def->motion;
+    qcMethod method = step->plan.method;
+    bool readsNoOthers = method == qc_methodAuto || method == qc_methodLayers || method == qc_methodSweep;
+    return readsNoOthers && step->def->contactMargin == 0.0 && !step->def->manifolds && !step->def->motion;
 }
 
 //  ---- whole bodies ------------------------------------------------------------------------------------------------
 
-qcStatus qcVertexBuffers_Complete(const qcBody* body, uint32_t slot, uint64_t* bytes)
+/// Reads positions back that are on the device alone.
+static qcStatus ReadBack(const qcBody* body, uint32_t slot, uint64_t* bytes)
 {
     qcVertexSnapshot* snapshot = body->snapshot;
-    qcFloatPositions_Leave(body);
     if (!qcVertexSnapshot_IsOnlyCopy(snapshot))
         return qc_statusOk;
     QC_TRY(qcVertexSnapshot_CheckAlive(snapshot, slot));
@@ -90,6 +91,12 @@ qcStatus qcVertexBuffers_Complete(const qcBody* body, uint32_t slot, uint64_t* b
     return qc_statusOk;
 }
 
+qcStatus qcVertexBuffers_Complete(const qcBody* body, uint32_t slot, uint64_t* bytes)
+{
+    qcFloatPositions_Leave(body);
+    return ReadBack(body, slot, bytes);
+}
+
 qcStatus qcVertexBuffers_CompleteAll(const qcBodies* bodies, uint64_t* bytes)
 {
     for (uint32_t slot = 0; slot < bodies->slots.count; slot++)
@@ -97,22 +104,40 @@ qcStatus qcVertexBuffers_CompleteAll(const qcBodies* bodies, uint64_t* bytes)
     return qc_statusOk;
 }
 
-qcStatus qcVertexBuffers_CompleteOthers(const qcStepTriangles* triangles, const uint8_t* onDevice, uint64_t* bytes)
+qcStatus qcVertexBuffers_CompleteOthers(const qcStep* step, const qcStepTriangles* triangles, const uint8_t* onDevice,
+                                        uint64_t* bytes)
 {
-    for (uint32_t body = 0; body < triangles->bodyCount; body++)
-        if (!onDevice[body])
-            QC_TRY(qcVertexBuffers_Complete(qcStepTriangles_Body(triangles, body),
-                                            qcStepTriangles_Slot(triangles, body), bytes));
+    for (uint32_t i = 0; i < triangles->bodyCount; i++)
+    {
+        const qcBody* body = qcStepTriangles_Body(triangles, i);
+        if (onDevice[i])
+            continue;
+        // BVHs read floats, but not with Verlet lists.
+        bool keeps = qcVertexBuffers_SufficeFor(step) && !qcBody_HasSelfCollision(body);
+        QC_TRY((keeps ? ReadBack : qcVertexBuffers_Complete)(body, qcStepTriangles_Slot(triangles, i), bytes));
+    }
     return qc_statusOk;
 }
 
 //  ---- floats ------------------------------------------------------------------------------------------------------
 
-qcStatus qcVertexBuffers_KeepFloats(qcBodies* bodies, const qcStepTriangles* triangles, const uint8_t* onDevice)
+void qcVertexBuffers_LeaveFloats(const qcStepTriangles* triangles, const qcBodyPairs* pairs,
+                                 const uint8_t* handledElsewhere)
 {
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
-        if (onDevice[body])
-            QC_TRY(qcFloatPositions_Keep(&QC_AT(qcBody, bodies->slots, qcStepTriangles_Slot(triangles, body))));
+        if (!handledElsewhere[body] && QC_AT(uint32_t, pairs->partnerCounts, body) != 0)
+            qcFloatPositions_Leave(qcStepTriangles_Body(triangles, body));
+}
+
+qcStatus qcVertexBuffers_KeepFloats(qcBodies* bodies, const qcStepTriangles* triangles, const uint8_t* onDevice,
+                                    const uint8_t* handledElsewhere)
+{
+    for (uint32_t i = 0; i < triangles->bodyCount; i++)
+    {
+        qcBody* body = &QC_AT(qcBody, bodies->slots, qcStepTriangles_Slot(triangles, i));
+        if (onDevice[i] || (handledElsewhere[i] && !qcBody_HasSelfCollision(body)))
+            QC_TRY(qcFloatPositions_Keep(body));
+    }
     return qc_statusOk;
 }
 

@@ -25,19 +25,26 @@ void qcVertexBuffers_Leave(qcBody* body);
 /// Before a body is removed.
 void qcVertexBuffers_Release(qcBody* body);
 
-/// Whether the step can do with the positions of candidates, as far as `layers` finds them.
+/// Whether the step can do with the positions of candidates, where a device or BVHs find them.
 bool qcVertexBuffers_SufficeFor(const qcStep* step);
 
 /// Brings qcBody::world up to date; reads positions back if the CPU doesn't have them. `bytes` grows by those read.
 qcStatus qcVertexBuffers_Complete(const qcBody* body, uint32_t slot, uint64_t* bytes);
 /// Those of all bodies of a scene.
 qcStatus qcVertexBuffers_CompleteAll(const qcBodies* bodies, uint64_t* bytes);
-/// Those of a step's bodies whose triangle pairs don't come from the device. `onDevice`: flags, by body of the step.
-qcStatus qcVertexBuffers_CompleteOthers(const qcStepTriangles* triangles, const uint8_t* onDevice, uint64_t* bytes);
+/// Those of a step's bodies whose triangle pairs don't come from the device, but without making doubles of floats where
+/// BVHs can do with floats. `onDevice`: flags, by body of the step.
+qcStatus qcVertexBuffers_CompleteOthers(const qcStep* step, const qcStepTriangles* triangles, const uint8_t* onDevice,
+                                        uint64_t* bytes);
+/// Brings qcBody::world up to date for bodies with partners that neither a device nor BVHs handle.
+void qcVertexBuffers_LeaveFloats(const qcStepTriangles* triangles, const qcBodyPairs* pairs,
+                                 const uint8_t* handledElsewhere);
 
-/// After a step in which these suffice: the next floats of the device's bodies become doubles only where a step needs
-/// them. `onDevice`: flags, by body of the step.
-qcStatus qcVertexBuffers_KeepFloats(qcBodies* bodies, const qcStepTriangles* triangles, const uint8_t* onDevice);
+/// After a step in which positions of candidates suffice: the next floats of the device's bodies, and of those without
+/// self-collision whose triangles are handled elsewhere, become doubles only where a step needs them. Flags, by body of
+/// the step.
+qcStatus qcVertexBuffers_KeepFloats(qcBodies* bodies, const qcStepTriangles* triangles, const uint8_t* onDevice,
+                                    const uint8_t* handledElsewhere);
 
 /// Brings qcBody::world up to date for triangles in candidate pairs, which `pcs` lists.
 qcStatus qcVertexBuffers_Gather(const qcStep* step, const qcStepTriangles* triangles, const qcCandidates* candidates,

@@ -1,4 +1,5 @@
-// Positions given as floats, kept as floats between steps of a device: no request reads older ones.
+// Positions given as floats, kept as floats between steps of a device and between sweeps of bodies without
+// self-collision: no request reads older ones.
 #include "support/devices.h"
 #include "support/scenes.h"
 #include "support/suite.h"
@@ -12,22 +13,27 @@ enum
     qc_bodies = 2
 };
 
-/// Two cloths in two scenes: floats on a device, and the same positions in double without one.
+/// Two cloths in two scenes: floats, mostly on a device, and the same positions in double without one.
 typedef struct Worlds
 {
     qcScene *floats, *doubles;
     qcBodyId ids[2][qc_bodies];
     qcSoup soups[qc_bodies];
+    qcMethod reference; ///< by which the latter finds its pairs
     qcRandom random;
 } Worlds;
 
-static Worlds MakeWorlds(qcDevice* device, uint64_t seed, uint32_t side, double noise)
+/// The second cloth lies `shift` beside the first.
+static Worlds MakeWorlds(qcDevice* device, uint64_t seed, uint32_t side, double noise, double shift)
 {
-    Worlds w = {.floats = qcMakeScene(device), .doubles = qcMakeScene(NULL), .random = {seed}};
+    Worlds w = {.floats = qcMakeScene(device),
+                .doubles = qcMakeScene(NULL),
+                .reference = device != NULL ? qc_methodSweep : qc_methodBrute,
+                .random = {seed}};
     for (int i = 0; i < qc_bodies; i++)
     {
         w.soups[i] = qcSoup_MakeFoldedCloth(seed + (uint64_t)i, side, 0.02, noise);
-        qcSoup_Translate(&w.soups[i], 0.0, 0.1 * i, 0.03 * i);
+        qcSoup_Translate(&w.soups[i], shift * i, 0.1 * i, 0.03 * i);
         qcSoup_RoundToFloat(&w.soups[i]);
         qcBodyDef def = qcBodyDefOf(&w.soups[i]);
         def.deforming = true;
@@ -59,7 +65,10 @@ static float* FloatsOf(const qcSoup* soup, size_t width)
 static void MoveBody(Worlds* w, int body)
 {
     qcSoup* soup = &w->soups[body];
-    for (size_t i = 0; i < 3 * (size_t)soup->vertexCount; i++)
+    // Now and then few vertices move, which a Verlet list follows.
+    size_t count = 3 * (size_t)soup->vertexCount;
+    count = qcRandom_Below(&w->random, 3) == 0 ? count / 20 : count;
+    for (size_t i = 0; i < count; i++)
         soup->positions[i] += qcRandom_Uniform(&w->random, -0.002, 0.002);
     qcSoup_RoundToFloat(soup);
     size_t width = 3 + qcRandom_Below(&w->random, 3);
@@ -105,11 +114,41 @@ static qcDetectDef ChooseRequest(qcRandom* random)
     return def;
 }
 
+/// Mostly the sweep, of bodies without self-collision; other requests and kinds of bodies between.
+static qcDetectDef ChooseSweep(Worlds* w)
+{
+    qcDetectDef def = qcDefaultDetectDef();
+    def.method = qcRandom_Below(&w->random, 10) == 0 ? qc_methodBrute : qc_methodSweep;
+    def.threads = 1 + qcRandom_Below(&w->random, 2);
+    switch (qcRandom_Below(&w->random, 9))
+    {
+        case 0: def.contactMargin = 0.004; break;
+        case 1: def.manifolds = def.proximities = true; break;
+        case 2:
+        case 3: def.motion = true; break;
+        case 4: def.margin = 0.006; break;
+        case 5: def.margin = 0.002; break;
+        default: break;
+    }
+    qcScene* scenes[] = {w->floats, w->doubles};
+    for (int body = 0; body < qc_bodies; body++)
+    {
+        bool changes = qcRandom_Below(&w->random, 4) == 0, self = qcRandom_Below(&w->random, 3) == 0;
+        bool sleeps = qcRandom_Below(&w->random, 4) == 0;
+        for (int i = 0; i < 2 && changes; i++)
+        {
+            CHECK_OK(qcScene_SetSelfCollision(scenes[i], w->ids[i][body], self));
+            CHECK_OK(qcScene_SetActivity(scenes[i], w->ids[i][body], sleeps ? qc_activitySleeping : qc_activityMoving));
+        }
+    }
+    return def;
+}
+
 static size_t CompareResults(const Worlds* w, qcDetectDef def, int step)
 {
     const qcResult *found, *expected;
     CHECK_OK(qcScene_Detect(w->floats, &def, &found));
-    def.method = qc_methodSweep;
+    def.method = w->reference;
     CHECK_OK(qcScene_Detect(w->doubles, &def, &expected));
     qcResultHash a = qcResult_Hash(found), b = qcResult_Hash(expected);
     ck_assert_msg(memcmp(&a, &b, sizeof a) == 0, "step %d: %zu pairs, expected %zu", step, found->pairCount,
@@ -117,10 +156,15 @@ static size_t CompareResults(const Worlds* w, qcDetectDef def, int step)
     return found->pairCount;
 }
 
-/// Returns the number of pairs found.
-static size_t CheckSteps(qcDevice* device, uint64_t seed, uint32_t side, double noise, int steps)
+static qcDetectDef ChooseNext(Worlds* w, qcDevice* device)
 {
-    Worlds w = MakeWorlds(device, seed, side, noise);
+    return device != NULL ? ChooseRequest(&w->random) : ChooseSweep(w);
+}
+
+/// Returns the number of pairs found.
+static size_t CheckSteps(qcDevice* device, uint64_t seed, uint32_t side, double noise, double shift, int steps)
+{
+    Worlds w = MakeWorlds(device, seed, side, noise, shift);
     size_t pairs = 0;
     for (int step = 0; step < steps; step++)
     {
@@ -132,10 +176,10 @@ static size_t CheckSteps(qcDevice* device, uint64_t seed, uint32_t side, double 
         for (int body = 0; body < qc_bodies; body++)
             if (qcRandom_Below(&w.random, 5) != 0)
                 MoveBody(&w, body);
-        pairs += CompareResults(&w, ChooseRequest(&w.random), step);
+        pairs += CompareResults(&w, ChooseNext(&w, device), step);
         // Another request without new positions.
         if (qcRandom_Below(&w.random, 3) == 0)
-            pairs += CompareResults(&w, ChooseRequest(&w.random), step);
+            pairs += CompareResults(&w, ChooseNext(&w, device), step);
     }
     EndWorlds(&w);
     return pairs;
@@ -144,24 +188,65 @@ static size_t CheckSteps(qcDevice* device, uint64_t seed, uint32_t side, double 
 START_TEST(floats_give_the_pairs_of_doubles_whatever_is_requested_of_them)
 {
     for (qcDeviceWalk walk = {0}; qcDeviceWalk_Next(&walk);)
-        ck_assert_uint_gt(CheckSteps(walk.device, 7, 24, 0.012, qc_steps), qc_steps);
+        ck_assert_uint_gt(CheckSteps(walk.device, 7, 24, 0.012, 0.0, qc_steps), qc_steps);
 }
 END_TEST
 
 START_TEST(so_few_candidates_that_only_their_floats_become_doubles_give_the_pairs_of_doubles)
 {
     for (qcDeviceWalk walk = {0}; qcDeviceWalk_Next(&walk);)
-        ck_assert_uint_gt(CheckSteps(walk.device, 5, 48, 0.002, 12), 0);
+        ck_assert_uint_gt(CheckSteps(walk.device, 5, 48, 0.002, 0.0, 12), 0);
 }
 END_TEST
 
 START_TEST(so_many_candidates_that_all_floats_become_doubles_give_the_pairs_of_doubles)
 {
     for (qcDeviceWalk walk = {0}; qcDeviceWalk_Next(&walk);)
-        ck_assert_uint_gt(CheckSteps(walk.device, 11, 24, 0.04, qc_steps), qc_steps);
+        ck_assert_uint_gt(CheckSteps(walk.device, 11, 24, 0.04, 0.0, qc_steps), qc_steps);
+}
+END_TEST
+
+START_TEST(floats_of_the_sweep_give_the_pairs_of_brute_force_whatever_is_requested_of_them)
+{
+    // Side by side few leaf nodes meet, on top of each other most of them.
+    for (uint64_t seed = 0; seed < 6; seed++)
+        ck_assert_uint_gt(CheckSteps(NULL, seed, 16, 0.012, seed % 3 == 0 ? 0.0 : 0.9, 2 * qc_steps), qc_steps);
+}
+END_TEST
+
+START_TEST(floats_of_bodies_without_a_bvh_give_their_pairs)
+{
+    const uint32_t indices[] = {0, 1, 2};
+    float positions[2][9] = {{0, 0, 0, 1, 0, 0, 0, 1, 0}, {9, 9, -1, 9, 9, 1, 9, 8, 0}};
+    const float across[9] = {0.2f, 0.2f, -1, 0.2f, 0.2f, 1, 0.2f, 0.1f, 0};
+    qcScene* scene = qcMakeScene(NULL);
+    qcBodyId ids[2];
+    for (int i = 0; i < 2; i++)
+    {
+        qcBodyDef def = qcDefaultBodyDef();
+        def.positions = positions[i];
+        def.vertexCount = 3;
+        def.indices = indices;
+        def.triangleCount = 1;
+        def.deforming = true;
+        CHECK_OK(qcScene_AddBody(scene, &def, &ids[i]));
+    }
+    qcDetectDef def = qcDefaultDetectDef();
+    def.method = qc_methodSweep;
+    const qcResult* result;
+    for (int step = 0; step < 6; step++)
+    {
+        // Apart in the first steps, with floats that are kept.
+        CHECK_OK(qcScene_SetVertices(scene, ids[1], step < 3 || step == 4 ? positions[1] : across, qc_positionF32, 0));
+        CHECK_OK(qcScene_Detect(scene, &def, &result));
+        ck_assert_uint_eq(result->pairCount, step < 3 || step == 4 ? 0 : 1);
+    }
+    qcScene_Destroy(scene);
 }
 END_TEST
 
 QC_RUN_TESTS("float positions", floats_give_the_pairs_of_doubles_whatever_is_requested_of_them,
              so_few_candidates_that_only_their_floats_become_doubles_give_the_pairs_of_doubles,
-             so_many_candidates_that_all_floats_become_doubles_give_the_pairs_of_doubles)
+             so_many_candidates_that_all_floats_become_doubles_give_the_pairs_of_doubles,
+             floats_of_the_sweep_give_the_pairs_of_brute_force_whatever_is_requested_of_them,
+             floats_of_bodies_without_a_bvh_give_their_pairs)

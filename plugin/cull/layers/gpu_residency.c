@@ -110,10 +110,12 @@ static qcStatus AssignBodies(const Prepare* p)
         if (!p->job->takesPart[body] || resident->assigned)
             continue;
         if (resident->generation == 0)
+        {
+            qcFloatPositions_Convert(b);
             QC_TRY(qcClusters_Build(&resident->clusters, b->indices, b->triangleCount,
                                     b->deforming ? b->world : b->local, b->vertexCount, p->job->threads));
-        if (resident->generation == 0)
             resident->nodeExtent = qcGridResolution_FindNodeExtent(b, &resident->clusters);
+        }
         resident->generation = b->generation;
         AssignRanges(residency, resident, b);
     }
