@@ -201,7 +201,7 @@ static qcStatus RunStages(const qcStep* step, qcBodies* bodies, double start, qc
 
     const qcCandidates* candidates = &d->triangleStage.candidates;
     QC_TRY(qcPcsReport_Fill(triangles, &d->pcs, candidates, step->plan.useImage, step->def, &d->pcsReport));
-    QC_TRY(qcVertexBuffers_Gather(step, triangles, candidates, &d->pcsReport, &d->vertexBuffers, &profile));
+    QC_TRY(qcVertexBuffers_Gather(step, triangles, candidates, &d->vertexBuffers, &profile));
     if (qcVertexBuffers_SufficeFor(step))
         QC_TRY(qcVertexBuffers_KeepFloats(bodies, triangles, routing->onDevice.data, routing->handledElsewhere.data));
     Enter(step, "qcScene exact");

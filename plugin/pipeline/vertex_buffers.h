@@ -3,7 +3,6 @@
 #ifndef QC_PIPELINE_VERTEX_BUFFERS_H
 #define QC_PIPELINE_VERTEX_BUFFERS_H
 
-#include "pipeline/pcs_report.h"
 #include "pipeline/step.h"
 #include "quickcullide/buffers.h"
 #include "scene/step_triangles.h"
@@ -46,9 +45,9 @@ void qcVertexBuffers_LeaveFloats(const qcStepTriangles* triangles, const qcBodyP
 qcStatus qcVertexBuffers_KeepFloats(qcBodies* bodies, const qcStepTriangles* triangles, const uint8_t* onDevice,
                                     const uint8_t* handledElsewhere);
 
-/// Brings qcBody::world up to date for triangles in candidate pairs, which `pcs` lists.
+/// Brings qcBody::world up to date for triangles in candidate pairs whose positions the step reads.
 qcStatus qcVertexBuffers_Gather(const qcStep* step, const qcStepTriangles* triangles, const qcCandidates* candidates,
-                                const qcPcsReport* pcs, qcVertexBuffers* buffers, qcProfile* profile);
+                                qcVertexBuffers* buffers, qcProfile* profile);
 void qcVertexBuffers_Free(qcVertexBuffers* buffers);
 
 #endif
