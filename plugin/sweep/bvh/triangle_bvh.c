@@ -306,9 +306,13 @@ static void TransformMarked(void* context, size_t block, uint32_t worker)
     size_t end = first + (left < qc_vertexBlock ? left : qc_vertexBlock);
     for (size_t i = first; i < end; i += qc_markedVertices)
     {
-        const qcVertexRange range = {f->source, i, end - i < qc_markedVertices ? end : i + qc_markedVertices};
-        if (f->marks[i / qc_markedVertices])
+        size_t runEnd = i;
+        while (runEnd < end && f->marks[runEnd / qc_markedVertices])
+            runEnd += qc_markedVertices;
+        const qcVertexRange range = {f->source, i, runEnd < end ? runEnd : end};
+        if (runEnd != i)
             f->kernels->transformVertices(&f->fit->lattice, &range, f->fit->points.data, f->vertices);
+        i = runEnd;
     }
 }
 
