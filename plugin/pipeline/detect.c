@@ -203,7 +203,7 @@ static qcStatus RunStages(const qcStep* step, qcBodies* bodies, double start, qc
     QC_TRY(qcPcsReport_Fill(triangles, &d->pcs, candidates, step->plan.useImage, step->def, &d->pcsReport));
     QC_TRY(qcVertexBuffers_Gather(step, triangles, candidates, &d->vertexBuffers, &profile));
     if (qcVertexBuffers_SufficeFor(step))
-        QC_TRY(qcVertexBuffers_KeepFloats(bodies, triangles, routing->onDevice.data, routing->handledElsewhere.data));
+        QC_TRY(qcVertexBuffers_KeepFloats(step, triangles, routing, profile.followedTriangles != 0, bodies));
     Enter(step, "qcScene exact");
     QC_TRY(Leave(step, qcNarrowphase_Run(triangles, candidates, step->def, step->threads, &d->narrowphase, &profile)));
     Lap(&lap);

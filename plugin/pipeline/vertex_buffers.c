@@ -104,6 +104,12 @@ qcStatus qcVertexBuffers_CompleteAll(const qcBodies* bodies, uint64_t* bytes)
     return qc_statusOk;
 }
 
+/// Whether the sweep of a body reads floats. Verlet lists don't, which distances above 0 make.
+static bool ReadsFloats(const qcStep* step, const qcBody* body)
+{
+    return qcVertexBuffers_SufficeFor(step) && (step->queryDistance == 0.0 || !qcBody_HasSelfCollision(body));
+}
+
 qcStatus qcVertexBuffers_CompleteOthers(const qcStep* step, const qcStepTriangles* triangles, const uint8_t* onDevice,
                                         uint64_t* bytes)
 {
@@ -112,9 +118,8 @@ qcStatus qcVertexBuffers_CompleteOthers(const qcStep* step, const qcStepTriangle
         const qcBody* body = qcStepTriangles_Body(triangles, i);
         if (onDevice[i])
             continue;
-        // BVHs read floats, but not with Verlet lists.
-        bool keeps = qcVertexBuffers_SufficeFor(step) && !qcBody_HasSelfCollision(body);
-        QC_TRY((keeps ? ReadBack : qcVertexBuffers_Complete)(body, qcStepTriangles_Slot(triangles, i), bytes));
+        QC_TRY((ReadsFloats(step, body) ? ReadBack : qcVertexBuffers_Complete)(body, qcStepTriangles_Slot(triangles, i),
+                                                                               bytes));
     }
     return qc_statusOk;
 }
@@ -124,18 +129,23 @@ qcStatus qcVertexBuffers_CompleteOthers(const qcStep* step, const qcStepTriangle
 void qcVertexBuffers_LeaveFloats(const qcStepTriangles* triangles, const qcBodyPairs* pairs,
                                  const uint8_t* handledElsewhere)
 {
-    for (uint32_t body = 0; body < triangles->bodyCount; body++)
-        if (!handledElsewhere[body] && QC_AT(uint32_t, pairs->partnerCounts, body) != 0)
-            qcFloatPositions_Leave(qcStepTriangles_Body(triangles, body));
+    for (uint32_t i = 0; i < triangles->bodyCount; i++)
+    {
+        const qcBody* body = qcStepTriangles_Body(triangles, i);
+        if (!handledElsewhere[i] && (QC_AT(uint32_t, pairs->partnerCounts, i) != 0 || qcBody_HasSelfCollision(body)))
+            qcFloatPositions_Leave(body);
+    }
 }
 
-qcStatus qcVertexBuffers_KeepFloats(qcBodies* bodies, const qcStepTriangles* triangles, const uint8_t* onDevice,
-                                    const uint8_t* handledElsewhere)
+qcStatus qcVertexBuffers_KeepFloats(const qcStep* step, const qcStepTriangles* triangles,
+                                    const qcIslandRouting* routing, bool follows, qcBodies* bodies)
 {
     for (uint32_t i = 0; i < triangles->bodyCount; i++)
     {
         qcBody* body = &QC_AT(qcBody, bodies->slots, qcStepTriangles_Slot(triangles, i));
-        if (onDevice[i] || (handledElsewhere[i] && !qcBody_HasSelfCollision(body)))
+        bool sweeps = QC_AT(uint8_t, routing->handledElsewhere, i) && ReadsFloats(step, body);
+        bool mayFollow = follows && qcBody_HasSelfCollision(body);
+        if (QC_AT(uint8_t, routing->onDevice, i) || (sweeps && !mayFollow))
             QC_TRY(qcFloatPositions_Keep(body));
     }
     return qc_statusOk;

@@ -3,6 +3,7 @@
 #ifndef QC_PIPELINE_VERTEX_BUFFERS_H
 #define QC_PIPELINE_VERTEX_BUFFERS_H
 
+#include "pipeline/island_routing.h"
 #include "pipeline/step.h"
 #include "quickcullide/buffers.h"
 #include "scene/step_triangles.h"
@@ -35,15 +36,15 @@ qcStatus qcVertexBuffers_CompleteAll(const qcBodies* bodies, uint64_t* bytes);
 /// BVHs can do with floats. `onDevice`: flags, by body of the step.
 qcStatus qcVertexBuffers_CompleteOthers(const qcStep* step, const qcStepTriangles* triangles, const uint8_t* onDevice,
                                         uint64_t* bytes);
-/// Brings qcBody::world up to date for bodies with partners that neither a device nor BVHs handle.
+/// Brings qcBody::world up to date for bodies with pairs that neither a device nor BVHs find. `handledElsewhere`:
+/// flags, by body of the step.
 void qcVertexBuffers_LeaveFloats(const qcStepTriangles* triangles, const qcBodyPairs* pairs,
                                  const uint8_t* handledElsewhere);
 
-/// After a step in which positions of candidates suffice: the next floats of the device's bodies, and of those without
-/// self-collision whose triangles are handled elsewhere, become doubles only where a step needs them. Flags, by body of
-/// the step.
-qcStatus qcVertexBuffers_KeepFloats(qcBodies* bodies, const qcStepTriangles* triangles, const uint8_t* onDevice,
-                                    const uint8_t* handledElsewhere);
+/// After a step in which positions of candidates suffice: the next floats of bodies whose pairs a device or BVHs find
+/// become doubles only where a step needs them. `follows`: Verlet lists were in use, which need doubles.
+qcStatus qcVertexBuffers_KeepFloats(const qcStep* step, const qcStepTriangles* triangles,
+                                    const qcIslandRouting* routing, bool follows, qcBodies* bodies);
 
 /// Brings qcBody::world up to date for triangles in candidate pairs whose positions the step reads.
 qcStatus qcVertexBuffers_Gather(const qcStep* step, const qcStepTriangles* triangles, const qcCandidates* candidates,

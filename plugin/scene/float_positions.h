@@ -1,6 +1,6 @@
 // A deforming body's positions as floats, the caller's, for steps that read no others: doubles are made of those
-// vertices alone that a stage reads. Kept for bodies whose pairs a device finds, and for bodies without self-collision
-// in the sweep.
+// vertices alone that a stage reads. Kept for bodies whose pairs a device finds, and in the sweep where no Verlet list
+// follows them.
 #ifndef QC_SCENE_FLOAT_POSITIONS_H
 #define QC_SCENE_FLOAT_POSITIONS_H
 

@@ -180,7 +180,7 @@ static qcStatus TryPartialRefit(const qcBvhCandidatesJob* job, uint32_t body, do
     qcBodyBvh* bvh = qcBvhCandidates_At(sweep, qcStepTriangles_Slot(job->triangles, body));
     const qcBody* b = qcStepTriangles_Body(job->triangles, body);
     bool done = false;
-    if (qcBody_HasSelfCollision(b) && !job->testNeighbours && !job->listNeighbours &&
+    if (qcBody_HasSelfCollision(b) && !qcBody_IsInFloats(b) && !job->testNeighbours && !job->listNeighbours &&
         FitMargin(job, b, maxMargin) <= bvh->bvh.fit.margin)
         QC_TRY(qcBodyBvh_PartialRefit(bvh, b, (bvh->verlet.margin - qcBvhCandidates_PairDistance(job, b, b)) / 2.0,
                                       sweep->kernels, &QC_AT(qcBvhScratch, sweep->refitScratch, 0), &done));
