@@ -1,11 +1,11 @@
 // The kernels, written once for all instruction sets: boxes here, the rest in the headers that this one includes. The
 // source of an instruction set defines before it includes this header: QC_LANES (floats in a vector), Shorts (eight
 // int16_t), MinShorts, MinFloats, MaxFloats, SquareRoot, Transpose (eight rows to eight columns), Position (a vertex in
-// doubles; LoadDoublePosition, StorePoint, StoreRow and the like), FindBoxOverlaps, FindRowOverlaps (with one box),
-// FindMotionBoxOverlaps, EightFloats, LoadEnds (eight ends to floats), StoreEnds (clamped ends of eight boxes along an
-// axis; NaN is unbounded, and boxes that are empty in `source` stay empty), and what kernels/cluster_planes.inl.h needs;
-// after it: LoadPoints (QC_LANES points to three vectors) and SignBits (a bit for each lane that is true). LaneMask is
-// the instruction set's own form of comparisons, with AllLanes, IsAbove and LaneBits.
+// doubles; StorePoint, StoreRow and the like), FindBoxOverlaps, FindRowOverlaps (with one box), FindMotionBoxOverlaps,
+// EightFloats, LoadEnds (eight ends to floats), StoreEnds (clamped ends of eight boxes along an axis; NaN is unbounded,
+// and boxes that are empty in `source` stay empty), and what kernels/cluster_planes.inl.h needs; and after it:
+// LoadPoints (QC_LANES points to three vectors) and SignBits (a bit for each lane that is true). LaneMask is the
+// instruction set's own form of comparisons, with AllLanes, IsAbove and LaneBits.
 #ifndef QC_KERNELS_TRIANGLE_KERNELS_INL_H
 #define QC_KERNELS_TRIANGLE_KERNELS_INL_H
 
