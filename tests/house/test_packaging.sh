@@ -28,6 +28,18 @@ cmake --install "$build" --prefix "$work/first" >"$work/log" || fail "$(cat "$wo
 mv "$work/first" "$prefix"
 
 echo "== each header alone"
+# Headers depend on the precision of Bullet, not on the component.
+packages=
+for component in "$@"; do
+    case $component in
+        bullet | fracture) package=bullet ;;
+        *) package=bullet-float64 ;;
+    esac
+    case " $packages " in
+        *" $package "*) ;;
+        *) packages="$packages $package" ;;
+    esac
+done
 for header in "$prefix"/include/quickcullide/*.h; do
     name=${header##*/}
     printf '#include <quickcullide/%s>\n' "$name" >"$work/header.c"
@@ -40,11 +52,7 @@ for header in "$prefix"/include/quickcullide/*.h; do
                 "$work/header.cpp"
             ;;
     esac
-    for component in "$@"; do
-        case $component in
-            bullet | fracture) package=bullet ;;
-            *) package=bullet-float64 ;;
-        esac
+    for package in $packages; do
         # Bullet's own headers are not held to our warnings.
         # shellcheck disable=SC2046 # Flags are words.
         "$CXX" -std=c++17 -pedantic-errors -Wall -Wextra -Werror -I"$prefix/include" \
