@@ -139,7 +139,7 @@ END_TEST
 START_TEST(the_marked_pcs_is_red_and_the_rest_grey)
 {
     EnterFolder();
-    Picture p = TakePicture(CLOTH, "--view-frames 25 --view-show pcs");
+    Picture p = TakePicture(CLOTH, "--view-frames 14 --view-show pcs");
     // The cloth lies on the table: its candidates are red.
     double red = ShareOfScene(&p, IsRed);
     ck_assert_msg(red > 1.0, "%g %% red", red);
@@ -152,7 +152,7 @@ END_TEST
 START_TEST(the_sets_of_quick_cullide_have_colours_of_their_own)
 {
     EnterFolder();
-    Picture p = TakePicture(CLOTH, "--view-frames 45 --view-show sets");
+    Picture p = TakePicture(CLOTH, "--view-frames 20 --view-show sets");
     // FFV or SFV: which of them is large depends on the order of the triangles.
     double free1 = ShareOfScene(&p, IsGreen), free2 = ShareOfScene(&p, IsBlue);
     ck_assert_msg(free1 + free2 > 1.0, "%g %% green, %g %% blue", free1, free2);
@@ -165,8 +165,8 @@ END_TEST
 START_TEST(debug_lines_change_the_picture)
 {
     EnterFolder();
-    Picture plain = TakePicture(CLOTH, "--view-frames 25");
-    Picture lines = TakePicture(CLOTH, "--view-frames 25 --view-show candidates,contacts,manifolds,boxes");
+    Picture plain = TakePicture(CLOTH, "--view-frames 14");
+    Picture lines = TakePicture(CLOTH, "--view-frames 14 --view-show candidates,contacts,manifolds,boxes");
     size_t different = 0;
     for (int y = 0; y < qc_height; y++)
         for (int x = 320; x < 960; x++)
