@@ -61,13 +61,13 @@ static inline void MoveAll(World* world)
     }
 }
 
-/// A scene of rigid soups that intersect, of `triangles` each.
-static inline World MakeWorldOf(qcDevice* device, uint32_t triangles)
+/// A scene of rigid soups that intersect, of `triangles` of a size each.
+static inline World MakeWorldOf(qcDevice* device, uint32_t triangles, double size)
 {
     World world = {.scene = qcMakeScene(device)};
     for (int i = 0; i < qc_soupCount; i++)
     {
-        qcSoup soup = qcSoup_MakeRandom(7 + (uint64_t)i, triangles, 0.15);
+        qcSoup soup = qcSoup_MakeRandom(7 + (uint64_t)i, triangles, size);
         world.ids[i] = qcAddSoup(world.scene, &soup);
         qcSoup_Free(&soup);
     }
@@ -77,7 +77,7 @@ static inline World MakeWorldOf(qcDevice* device, uint32_t triangles)
 
 static inline World MakeWorld(qcDevice* device)
 {
-    return MakeWorldOf(device, 200);
+    return MakeWorldOf(device, 200, 0.15);
 }
 
 /// Compares `layers` with the sweep. Returns the reason for the fallback; null: the device found the pairs.

@@ -123,10 +123,10 @@ static qcStatus DetectVisible(qcScene* scene, qcMethod method)
     return status;
 }
 
-/// Each triangle is drawn several times a step by `quick` and `cullide`.
+/// Each triangle is drawn several times a step by `quick` and `cullide`: few and large ones.
 static World MakeWorldFor(qcDevice* device, qcMethod method)
 {
-    return MakeWorldOf(device, method == qc_methodLayers ? 200 : 40);
+    return method == qc_methodLayers ? MakeWorldOf(device, 200, 0.15) : MakeWorldOf(device, 12, 0.4);
 }
 
 /// A step by a method; true if the device did it.
