@@ -76,6 +76,7 @@ demos/bench/stability       demos/bench demos/bench/soft demos/bench/through dem
 demos/bench/fracture        demos/bench demos/fracture demos/common/... demos/common
 
 tests/support
+tests/support/quick_check
 tests/base                  tests/support plugin/base
 tests/plan                  tests/support plugin/plan
 tests/mesh                  tests/support plugin/base plugin/mesh
