@@ -3,6 +3,7 @@
 // QC_TEST_LONG: a million steps instead of some ten thousand.
 #include "long/changing_world.h"
 #include "long/memory_use.h"
+#include "support/long_form.h"
 #include "support/suite.h"
 
 #include <stdio.h>
@@ -16,7 +17,7 @@ enum
 
 START_TEST(a_scene_of_a_million_steps_has_the_results_of_a_new_one_in_the_same_memory)
 {
-    const int steps = getenv("QC_TEST_LONG") != NULL ? qc_longSteps : qc_shortSteps, period = steps / qc_periods;
+    const int steps = qcIsLongForm() ? qc_longSteps : qc_shortSteps, period = steps / qc_periods;
     qcWorld world;
     qcWorld_Create(&world, 1, NULL);
     qcMemoryUse memory = {0};
