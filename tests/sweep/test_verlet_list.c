@@ -1,13 +1,19 @@
 // After few vertices have moved, pairs come from the Verlet list: they equal those of brute force.
+#include "support/long_form.h"
 #include "support/scenes.h"
 #include "support/suite.h"
 #include "sweep/sample_bodies.h"
 
 enum
 {
-    qc_side = 32, ///< of cloths: 2048 triangles
     qc_rounds = 40
 };
+
+/// Cloths of 800 triangles for brute force, or of 2048.
+static uint32_t GetSide(void)
+{
+    return qcIsLongForm() ? 32 : 20;
+}
 
 /// A cloth of the scene.
 typedef struct Cloth
@@ -19,7 +25,7 @@ typedef struct Cloth
 
 static Cloth AddCloth(qcScene* scene, uint64_t seed, double z, double away)
 {
-    Cloth cloth = {.soup = qcSoup_MakeFoldedCloth(seed, qc_side, 0.01, 0.004)};
+    Cloth cloth = {.soup = qcSoup_MakeFoldedCloth(seed, GetSide(), 0.01, 0.004)};
     qcSoup_Translate(&cloth.soup, away, away, z + away);
     qcBodyDef def = qcBodyDefOf(&cloth.soup);
     def.deforming = true;
@@ -115,7 +121,7 @@ static void CheckSceneAway(double away, uint64_t seed, int clothCount, double li
         }
         for (int i = 0; i < clothCount; i++)
             if (qcRandom_Below(&random, 4) != 0)
-                Move(scene, &cloths[i], &random, 1 + qcRandom_Below(&random, 60), motion);
+                Move(scene, &cloths[i], &random, 1 + qcRandom_Below(&random, cloths[i].soup.vertexCount / 18), motion);
         def.touching = round % 2 == 0;
         pairs += Check(scene, def, round, &profile);
         followed += profile.followedTriangles;
