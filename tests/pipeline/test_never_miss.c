@@ -2,6 +2,7 @@
 // scene: `layers` on each device, `sweep` and `auto` report the pairs of brute force and no other. QC_TEST_PAIRS: the
 // number of pairs to build (raise CK_TIMEOUT_MULTIPLIER with it).
 #include "support/devices.h"
+#include "support/long_form.h"
 #include "support/oracle.h"
 #include "support/pairs.h"
 #include "support/scenes.h"
@@ -15,6 +16,7 @@ enum
     qc_pairsInScene = 1200,
     qc_pairsInGroup = 24,  ///< where there are many bodies
     qc_minPairs = 36000,   ///< by test
+    qc_fewPairs = 12000,   ///< in the short form, where devices refine: in software that takes six times as long
     qc_oracleStride = 400, ///< one pair in 400 goes through the oracle
     qc_maxBodies = 2 * qc_pairsInScene / qc_pairsInGroup
 };
@@ -442,12 +444,17 @@ static void RunScene(const Plan* plan, qcDevice* const devices[qc_testDeviceCoun
     free(expected.pairs);
 }
 
+static int GetMinPairs(void)
+{
+    return qcDevicesRefine() && !qcIsLongForm() ? qc_fewPairs : qc_minPairs;
+}
+
 static void RunScenes(const char* name, uint64_t firstSeed, Layout layout, bool hasMargin)
 {
     qcDevice* devices[qc_testDeviceCount];
     qcOpenTestDevices(devices);
     Tally tally = {0};
-    uint64_t count = (uint64_t)qcGetTestPairCount(6 * qc_minPairs) / 6;
+    uint64_t count = (uint64_t)qcGetTestPairCount(6 * GetMinPairs()) / 6;
     for (uint64_t seed = firstSeed; tally.built < count; seed++)
     {
         Plan* plan = MakePlan(seed, layout, hasMargin);

@@ -30,6 +30,13 @@ static inline bool qcIsZinkProcess(void)
     return driver != NULL && strcmp(driver, "zink") == 0;
 }
 
+/// Whether QC_LAYERS_REFINE lets devices refine, which software devices leave to the processor by default.
+static inline bool qcDevicesRefine(void)
+{
+    const char* refinement = getenv("QC_LAYERS_REFINE");
+    return refinement != NULL && strcmp(refinement, "device") == 0;
+}
+
 /// Null, after a line of output, if this kind does not work here.
 static inline qcDevice* qcOpenOrSkip(qcDeviceKind kind)
 {

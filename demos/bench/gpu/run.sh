@@ -41,7 +41,7 @@ run_tests()
     for program in "$here"/bin/test_*; do
         name=$(basename -- "$program")
         log=$out/tests/$name.txt
-        if QC_TEST_DEVICES=$required QC_LAYERS_REFINE=device "$program" >"$log" 2>&1; then
+        if QC_TEST_DEVICES=$required QC_LAYERS_REFINE=device QC_TEST_LONG=yes "$program" >"$log" 2>&1; then
             echo "  $name: ok"
         else
             echo "  $name: FAILED, see $log"
