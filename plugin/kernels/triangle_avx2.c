@@ -61,7 +61,7 @@ static const uint8_t s_lanes[16][8] = {{0},
 static inline qcSlotPair* AddListed(uint32_t kept, const uint8_t listed[8], qcSlotPair first, qcSlotPair* pairs)
 {
     const __m256i origin = _mm256_set1_epi64x((int64_t)((uint64_t)first.b << 32 | first.a));
-    for (uint32_t half = 0; half < 2; half++)
+    for (size_t half = 0; half < 2; half++)
     {
         uint32_t bits = kept >> 4 * half & 0xfu, four;
         memcpy(&four, listed + 4 * half, sizeof four);

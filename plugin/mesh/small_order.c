@@ -85,7 +85,7 @@ static uint32_t CountBelow(const int16_t* keys, uint32_t count, int value)
     const int16_t v = (int16_t)value;
     const qcEightShorts limit = {v, v, v, v, v, v, v, v};
     for (uint32_t i = 0; i < count; i += qc_countedKeys)
-        for (int k = 0; k < qc_countedKeys / 8; k++)
+        for (size_t k = 0; k < qc_countedKeys / 8; k++)
             sums[k] -= qcEightShorts_Load(keys + i + 8 * k) < limit;
     const qcEightShorts sum = sums[0] + sums[1] + (sums[2] + sums[3]);
     uint64_t halves[2];
@@ -106,7 +106,7 @@ static int FindMedian(int16_t* keys, uint32_t count, const Axis* axis, uint32_t 
         below = found <= lower ? found : below;
         *(found <= lower ? &low : &high) = middle;
     }
-    for (uint32_t i = 0; below != lower; i++)
+    for (uint32_t i = 0; i < count && below != lower; i++)
     {
         bool isEqual = keys[i] == low;
         keys[i] = (int16_t)(keys[i] - isEqual);

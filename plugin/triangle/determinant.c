@@ -55,7 +55,7 @@ qcScaled qcExactDeterminant3(const double a[3], const double b[3], const double 
 {
     double values[12];
     const double* points[4] = {a, b, c, d};
-    for (int p = 0; p < 4; p++)
+    for (size_t p = 0; p < 4; p++)
         memcpy(values + 3 * p, points[p], 3 * sizeof(double));
     int common = qcInteger_CommonExponent(values, 12);
     int64_t shorts[12];

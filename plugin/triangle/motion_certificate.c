@@ -140,7 +140,8 @@ static void SolveFaces(const qcVector point[4], double weight[4])
     double best = DBL_MAX;
     for (int f = 0; f < 4; f++)
     {
-        double w[3], distance2 = SolveTriangle(point[faces[f][0]], point[faces[f][1]], point[faces[f][2]], w);
+        double w[3] = {0.0, 0.0, 0.0};
+        double distance2 = SolveTriangle(point[faces[f][0]], point[faces[f][1]], point[faces[f][2]], w);
         if (distance2 >= best)
             continue;
         best = distance2;
