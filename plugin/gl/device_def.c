@@ -4,6 +4,7 @@
 #include "base/status.h"
 #include "gl/cache_files.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -39,7 +40,7 @@ qcStatus qcDeviceDef_Check(const qcDeviceDef* def, const char* kindName)
         return qcFail(qc_statusBadInput, "qcDevice_Create: def->gpuName has %zu bytes, more than 127",
                       strlen(def->gpuName));
     bool chosen = def->gpuIndex >= 0 || (def->gpuName != NULL && def->gpuName[0] != 0) || def->gpuUuid != NULL;
-    if (!(def->reopenSeconds >= 0.0) && !(def->reopenSeconds < 0.0))
+    if (isnan(def->reopenSeconds))
         return qcFail(qc_statusBadInput, "qcDevice_Create: def->reopenSeconds is not a number");
     if (def->cacheFolder != NULL && strlen(def->cacheFolder) >= qc_maxCacheFolder)
         return qcFail(qc_statusBadInput, "qcDevice_Create: def->cacheFolder has %zu bytes, more than %d",
