@@ -2,6 +2,7 @@
 #define _DEFAULT_SOURCE // fork, usleep
 
 #include "support/devices.h"
+#include "support/sanitizers.h"
 #include "support/scenes.h"
 #include "support/suite.h"
 
@@ -264,6 +265,8 @@ static int SweepAnew(qcScene* scene, qcDevice* device)
 
 START_TEST(a_child_of_a_process_whose_threads_are_in_a_loop_sweeps_with_its_own)
 {
+    if (!qcChildrenCanStartThreads())
+        return;
     qcScene* scene = MakeScene(NULL);
     CheckWhileWorking(NULL, SweepAnew, scene, 30);
     qcScene_Destroy(scene);
