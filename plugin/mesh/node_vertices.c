@@ -3,8 +3,6 @@
 
 #include "base/status.h"
 
-#include <string.h>
-
 /// Adds a node; there is room for it. `lastNode`: by vertex, 1 + the last node that has it, or 0.
 static void AddNode(qcNodeVertices* vertices, const qcCorners* corners, uint32_t node, uint32_t vertexCount,
                     uint32_t* lastNode)
