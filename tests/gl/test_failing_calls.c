@@ -3,6 +3,7 @@
 // a status, every pair, and the next step is whole.
 #define _POSIX_C_SOURCE 200809L
 #include "gl/replaced_driver.h"
+#include "support/long_form.h"
 #include "support/suite.h"
 
 #include <stddef.h>
@@ -141,7 +142,7 @@ typedef struct Way
 {
     qcMethod method;
     const char* refinement; ///< of layers
-    bool everywhere;        ///< on every device; otherwise on the first
+    bool everywhere;        ///< on every device in the long form; otherwise on the first
 } Way;
 
 static const Way s_ways[] = {{qc_methodLayers, "processor", true},
@@ -153,6 +154,11 @@ enum
 {
     qc_wayCount = sizeof s_ways / sizeof s_ways[0]
 };
+
+static bool IsEverywhere(const Way* way)
+{
+    return way->everywhere && qcIsLongForm();
+}
 
 /// Whether a function is called only where programs are compiled, in the first step of a device.
 static bool IsOfPrograms(const char* name)
@@ -198,7 +204,7 @@ START_TEST(a_function_that_fails_loses_no_pair)
     bool isTried = false;
     QC_FOR_EACH_DEVICE(device)
     {
-        if (!Computes(device) || (isTried && !way->everywhere))
+        if (!Computes(device) || (isTried && !IsEverywhere(way)))
             continue;
         isTried = true;
         uint32_t called[2] = {0, 0};
@@ -242,7 +248,7 @@ START_TEST(an_error_or_a_loss_at_any_time_loses_no_pair)
     bool isTried = false;
     QC_FOR_EACH_DEVICE(device)
     {
-        if (!Computes(device) || (isTried && !(way->everywhere && !losesContext)))
+        if (!Computes(device) || (isTried && (losesContext || !IsEverywhere(way))))
             continue;
         isTried = true;
         uint32_t look = 1;
@@ -336,7 +342,7 @@ START_TEST(a_device_that_lies_about_its_limits_loses_no_pair)
     bool isTried = false;
     QC_FOR_EACH_DEVICE(device)
     {
-        if (!Computes(device) || (isTried && !way->everywhere))
+        if (!Computes(device) || (isTried && !IsEverywhere(way)))
             continue;
         isTried = true;
         for (size_t i = 0; i < sizeof limits / sizeof limits[0]; i++)

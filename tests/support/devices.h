@@ -9,6 +9,7 @@
 #define QC_TESTS_SUPPORT_DEVICES_H
 
 #include "quickcullide/device.h"
+#include "support/long_form.h"
 
 #include <check.h>
 #include <stdio.h>
@@ -18,7 +19,10 @@
 enum
 {
     qc_testDeviceCount = 3,
-    qc_testZink = qc_testDeviceCount ///< index of zink's name
+    // Indices of names.
+    qc_testOsmesa = 1,
+    qc_testSurfaceless = 2,
+    qc_testZink = qc_testDeviceCount
 };
 
 static const qcDeviceKind qc_testKinds[qc_testDeviceCount] = {qc_deviceEgl, qc_deviceOsmesa, qc_deviceSurfaceless};
@@ -35,6 +39,14 @@ static inline bool qcDevicesRefine(void)
 {
     const char* refinement = getenv("QC_LAYERS_REFINE");
     return refinement != NULL && strcmp(refinement, "device") == 0;
+}
+
+/// Whether a device is left out, after those that have opened: osmesa and surfaceless have the same rasterizer and
+/// compiler, and where QC_ONE_RASTERIZER is set the short form uses the first of them that opens.
+static inline bool qcIsLeftOut(int device, const bool opened[qc_testDeviceCount + 1])
+{
+    return getenv("QC_ONE_RASTERIZER") != NULL && !qcIsLongForm() && opened[qc_testOsmesa] &&
+           device == qc_testSurfaceless;
 }
 
 /// Null, after a line of output, if this kind does not work here.
@@ -73,7 +85,7 @@ static inline void qcCheckRequired(const bool opened[qc_testDeviceCount + 1])
             device++;
         ck_assert_msg(device <= qc_testZink, "QC_TEST_DEVICES: '%.*s' is not one of egl, osmesa, surfaceless, zink",
                       (int)length, required);
-        ck_assert_msg(opened[device] || (device == qc_testZink) != qcIsZinkProcess(),
+        ck_assert_msg(opened[device] || (device == qc_testZink) != qcIsZinkProcess() || qcIsLeftOut(device, opened),
                       "QC_TEST_DEVICES requires %s, which did not open", qc_testDeviceNames[device]);
         required += length + (required[length] == ',');
     }
@@ -111,7 +123,7 @@ static inline int qcOpenTestDevices(qcDevice* devices[qc_testDeviceCount])
     bool opened[qc_testDeviceCount + 1] = {false};
     for (int i = 0; i < qc_testDeviceCount; i++)
     {
-        devices[i] = qcOpenOrSkip(qc_testKinds[i]);
+        devices[i] = qcIsLeftOut(i, opened) ? NULL : qcOpenOrSkip(qc_testKinds[i]);
         if (devices[i] != NULL)
             opened[qcGetTestName(i)] = true;
     }
@@ -139,7 +151,8 @@ static inline bool qcDeviceWalk_Next(qcDeviceWalk* walk)
     walk->device = NULL;
     while (walk->device == NULL && walk->next < qc_testDeviceCount)
     {
-        walk->device = qcOpenOrSkip(qc_testKinds[walk->next]);
+        if (!qcIsLeftOut(walk->next, walk->opened))
+            walk->device = qcOpenOrSkip(qc_testKinds[walk->next]);
         if (walk->device != NULL)
             walk->opened[qcGetTestName(walk->next)] = true;
         walk->next++;

@@ -1,5 +1,6 @@
 // Meshes at rest and sliding. The long form prints what btGImpactMeshShape does in equal scenes. The pile of bunnies is
 // left out where their file is missing.
+#include "bullet/add_loop.h"
 #include "bullet/mesh/mesh_world.h"
 #include "support/long_form.h"
 
@@ -298,8 +299,8 @@ int main()
     Suite* suite = suite_create("mesh_rest");
     TCase* tests = tcase_create("mesh_rest");
     tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
-    tcase_add_loop_test(tests, a_mesh_cube_rests_on_any_floor, 0, qc_floorCount);
-    tcase_add_loop_test(tests, five_meshes_in_a_bin_come_to_rest, 0, 3);
+    qcAddLoop(tests, a_mesh_cube_rests_on_any_floor, qc_floorCount);
+    qcAddLoop(tests, five_meshes_in_a_bin_come_to_rest, 3);
 #ifdef QC_BUNNY
     tcase_add_test(tests, five_bunnies_in_a_bin_come_to_rest);
 #endif

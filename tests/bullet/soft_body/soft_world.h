@@ -3,7 +3,6 @@
 #define QC_TESTS_BULLET_SOFT_BODY_SOFT_WORLD_H
 
 #include "quickcullide/bullet.h"
-#include "quickcullide/bullet_deformable.h"
 
 #include "bullet/mesh/mesh_models.h"
 
@@ -87,35 +86,6 @@ struct qcSoftWorld
         delete cloths.back();
         cloths.pop_back();
     }
-};
-
-/// A deformable world: qcDeformableWorld, or Bullet's own. It removes and deletes the soft bodies in its list.
-template <class DeformableWorld> struct qcDeformableTestWorld
-{
-    btSoftBodyRigidBodyCollisionConfiguration configuration;
-    btCollisionDispatcher dispatcher{&configuration};
-    qcBroadphase broadphase;
-    btDeformableBodySolver deformableSolver;
-    btDeformableMultiBodyConstraintSolver solver;
-    std::unique_ptr<DeformableWorld> world;
-    std::vector<btSoftBody*> cloths;
-
-    qcDeformableTestWorld()
-    {
-        solver.setDeformableSolver(&deformableSolver);
-        world.reset(new DeformableWorld(&dispatcher, &broadphase, &solver, &configuration, &deformableSolver));
-    }
-
-    ~qcDeformableTestWorld()
-    {
-        for (btSoftBody* cloth : cloths)
-        {
-            world->removeSoftBody(cloth);
-            delete cloth;
-        }
-    }
-    qcDeformableTestWorld(const qcDeformableTestWorld&) = delete;
-    qcDeformableTestWorld& operator=(const qcDeformableTestWorld&) = delete;
 };
 
 #endif

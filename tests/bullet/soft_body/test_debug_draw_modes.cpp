@@ -5,6 +5,7 @@
 #include <set>
 
 #include "bullet/debug_recorder.h"
+#include "bullet/soft_body/deformable_test_world.h"
 #include "bullet/soft_body/soft_models.h"
 #include "bullet/soft_body/soft_world.h"
 // After the standard headers: check defines a macro named fail.

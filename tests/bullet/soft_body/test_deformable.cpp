@@ -2,6 +2,7 @@
 // own.
 #include "quickcullide/bullet_deformable.h"
 
+#include "bullet/soft_body/deformable_test_world.h"
 #include "bullet/soft_body/soft_world.h"
 
 #include <BulletSoftBody/btDeformableGravityForce.h>

@@ -10,6 +10,7 @@
 #include <set>
 #include <string>
 
+#include "bullet/soft_body/deformable_test_world.h"
 #include "bullet/soft_body/soft_world.h"
 // After the standard headers: check defines a macro named fail.
 #include "bullet/mesh/mesh_world.h"

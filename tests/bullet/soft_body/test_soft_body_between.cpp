@@ -1,7 +1,10 @@
 // A cloth between meshes that are thrown at each other: soft bodies and rigid meshes move each other's bodies, and yet
 // no two of them pass.
+#include "quickcullide/bullet_deformable.h"
+
 #include "bullet/soft_body/soft_world.h"
 
+#include <BulletSoftBody/btSoftBodyHelpers.h>
 #include <LinearMath/btDefaultMotionState.h>
 
 // After the standard headers: check defines a macro named fail.

@@ -3,6 +3,7 @@
 #include "quickcullide/bullet_deformable.h"
 
 #include "bullet/mesh/mesh_models.h"
+#include "bullet/soft_body/deformable_test_world.h"
 #include "bullet/soft_body/soft_world.h"
 
 #include <BulletSoftBody/btDeformableGravityForce.h>

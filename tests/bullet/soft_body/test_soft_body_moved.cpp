@@ -3,6 +3,7 @@
 #include "bullet/soft_body/soft_world.h"
 
 #include <BulletCollision/CollisionDispatch/btGhostObject.h>
+#include <BulletSoftBody/btSoftBodyHelpers.h>
 #include <LinearMath/btDefaultMotionState.h>
 
 // After the standard headers: check defines a macro named fail.

@@ -3,10 +3,12 @@
 
 #include "bullet/mesh/mesh_models.h"
 #include "bench/soft/rope_scene.h"
+#include "bullet/soft_body/deformable_test_world.h"
 #include "bullet/soft_body/soft_world.h"
 
 #include <BulletSoftBody/btDeformableGravityForce.h>
 #include <BulletSoftBody/btDeformableMassSpringForce.h>
+#include <BulletSoftBody/btSoftBodyHelpers.h>
 
 #include <cstdio>
 #include <string>

@@ -6,6 +6,7 @@
 #include <set>
 
 // After the standard headers: check defines a macro named fail.
+#include "bullet/add_loop.h"
 #include "bullet/soft_body/soft_models.h"
 
 namespace
@@ -283,8 +284,8 @@ static int RunAll()
     Suite* suite = suite_create("soft tangles");
     TCase* tests = tcase_create("tangles");
     tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
-    tcase_add_loop_test(tests, what_starts_tangled_comes_apart_and_is_not_thrown, 0, s_sceneCount);
-    tcase_add_loop_test(tests, nothing_passes_away_from_a_tangle, 0, s_sceneCount);
+    qcAddLoop(tests, what_starts_tangled_comes_apart_and_is_not_thrown, s_sceneCount);
+    qcAddLoop(tests, nothing_passes_away_from_a_tangle, s_sceneCount);
     tcase_add_test(tests, the_smaller_part_goes_back_to_the_side_of_the_larger_one);
     tcase_add_test(tests, tangles_stay_where_the_setting_is_off);
     tcase_add_test(tests, the_setting_changes_nothing_where_nothing_is_tangled);
