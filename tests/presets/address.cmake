@@ -5,3 +5,5 @@ foreach(language C CXX)
   set(CMAKE_${language}_FLAGS "${sanitize}" CACHE STRING "")
   set(CMAKE_${language}_FLAGS_RELEASE "-O1 -g1" CACHE STRING "")
 endforeach()
+# Each file is compiled by itself, with what it includes.
+set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON CACHE BOOL "")

@@ -9,7 +9,7 @@
 class Random
 {
   public:
-    explicit Random(unsigned seed) : m_engine(seed)
+    explicit Random(unsigned start) : m_engine(start)
     {
     }
     btScalar Number(double lowest, double highest)

@@ -64,9 +64,9 @@ void CheckApart(const Positions& start, const Positions& end, btScalar distance)
 START_TEST(boxes_that_overlap_another_one_are_found)
 {
     int found[2] = {0, 0};
-    for (unsigned seed = 1; seed <= 500; seed++)
+    for (unsigned run = 1; run <= 500; run++)
     {
-        Random random(seed);
+        Random random(run);
         std::vector<Box> boxes;
         qcMotionBoxes motion;
         for (int i = 0; i < 20; i++)
@@ -97,9 +97,9 @@ END_TEST
 START_TEST(links_of_a_stretched_chain_are_apart_over_the_step)
 {
     int found[2] = {0, 0};
-    for (unsigned seed = 1; seed <= 4000; seed++)
+    for (unsigned run = 1; run <= 4000; run++)
     {
-        Random random(seed);
+        Random random(run);
         btVector3 direction = random.Vector(1);
         const double noise = double(random.Number(0, 0.6));
         Positions start = MakeChain(random, direction + random.Vector(noise), noise),

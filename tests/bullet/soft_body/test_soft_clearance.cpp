@@ -96,9 +96,9 @@ START_TEST(each_pair_of_bodies_that_is_kept_apart_has_certificates)
 {
     qcSoftClearance clearance;
     int kept[2] = {0, 0}, left[2] = {0, 0};
-    for (unsigned seed = 1; seed <= 4000; seed++)
+    for (unsigned start = 1; start <= 4000; start++)
     {
-        Random random(seed);
+        Random random(start);
         double noise = double(random.Number(0, 0.12));
         btVector3 motion = random.Vector(3);
         Body bodies[2] = {MakeBody(random, btVector3(0, 0, 0), noise, motion),
