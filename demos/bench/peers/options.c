@@ -30,8 +30,9 @@ void qcPeers_ReadOptions(int argumentCount, char** arguments, qcPeersOptions* op
         {.group = 1, .help = "What is tried; all of it by default:"},
         {1, "scenes", "LIST",
          "Of cloth-1k, cloth-20k, tangle-20k (crossing itself in thousands of places), tangle-92k (a cloth on a "
-         "spinning ball), wrung-80k (a tube), cloth-250k, cloth-1m, bunny, dragon: each with itself; bunnies-27 (of "
-         "5000 triangles: the model's vertices in each cell of a grid become one) and bunnies-8 (as they are): with "
+         "spinning ball), wrung-80k (a tube), cloth-250k, cloth-1m, bunny, dragon, coincident-2k (triangles at one "
+         "place, all pairs of which intersect): each with itself; bunnies-27 (of 5000 triangles: the model's vertices "
+         "in each cell of a grid become one) and bunnies-8 (as they are): with "
          "each other, all vertices new in each frame; rigid-27, rigid-8: the same bodies, transforms new in each frame",
          qcOption_Marks(options->scenes, qc_peerSceneCount, scenes)},
         {1, "peers", "LIST", "Of embree, bullet, cgal", qcOption_Marks(options->libraries, qc_peerLibraryCount, peers)},

@@ -11,7 +11,7 @@
 
 enum
 {
-    qc_peerSceneCount = 13,
+    qc_peerSceneCount = 14,
     qc_peerLibraryMethods = 4, // of one library, at most
     qc_maxPeerMethods = 2 + qc_peerLibraryCount * qc_peerLibraryMethods,
     qc_maxPeerFrames = 32,

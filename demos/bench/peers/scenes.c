@@ -13,6 +13,7 @@ typedef enum Source
     source_cloth,
     source_spunCloth,
     source_wrungTube,
+    source_coincident,
     source_bunny,
     source_dragon
 } Source;
@@ -23,7 +24,7 @@ typedef struct Recipe
     const char* title;
     qcAnimationKind kind;
     Source source;
-    uint32_t size; ///< cells on a side of a cloth or around a tube; triangles to leave a model, about; 0: all
+    uint32_t size; ///< cells on a side of a cloth or around a tube, triangles; those to leave a model, about; 0: all
     uint32_t bodyCount;
     double wrinkles; ///< of a cloth
 } Recipe;
@@ -38,6 +39,7 @@ static const Recipe s_recipes[qc_peerSceneCount] = {
     {"cloth-1m", "folded cloth with itself", qc_animatedSelf, source_cloth, 707, 1, 1.0},
     {"bunny", "bunny with itself", qc_animatedSelf, source_bunny, 0, 1, 0.0},
     {"dragon", "dragon with itself", qc_animatedSelf, source_dragon, 0, 1, 0.0},
+    {"coincident-2k", "2000 triangles at one place", qc_animatedSelf, source_coincident, 2000, 1, 0.0},
     {"bunnies-27", "27 decimated bunnies, deforming", qc_animatedDeforming, source_bunny, 5000, 27, 0.0},
     {"bunnies-8", "8 bunnies, deforming", qc_animatedDeforming, source_bunny, 0, 8, 0.0},
     {"rigid-27", "27 decimated bunnies, rigid", qc_animatedRigid, source_bunny, 5000, 27, 0.0},
@@ -87,6 +89,7 @@ static qcBenchMade MakeModel(const Recipe* recipe, const qcBenchModels* models, 
         case source_cloth: return Report(qcBenchShapes_MakeCloth(recipe->size, recipe->wrinkles, body), message);
         case source_spunCloth: return Report(qcBenchShapes_MakeSpunCloth(recipe->size, body), message);
         case source_wrungTube: return Report(qcBenchShapes_MakeWrungTube(recipe->size, body), message);
+        case source_coincident: return Report(qcBenchShapes_MakeCoincident(recipe->size, body), message);
         case source_bunny:
             if (qcFiles_IsThere(models->bunny))
                 return ReadModel(recipe, models->bunny, body, message);

@@ -343,3 +343,16 @@ bool qcBenchShapes_MakeSlivers(uint32_t count, qcMesh* mesh)
     }
     return true;
 }
+
+bool qcBenchShapes_MakeCoincident(uint32_t count, qcMesh* mesh)
+{
+    static const double corners[3][3] = {{0.1, 0.2, 0.3}, {1.1, 0.25, 0.35}, {0.3, 1.2, 0.7}};
+    if (!Allocate(mesh, 3 * count, count))
+        return false;
+    for (uint32_t i = 0; i < 3 * count; ++i)
+    {
+        mesh->indices[i] = i;
+        PutVertex(mesh, i, corners[i % 3][0], corners[i % 3][1], corners[i % 3][2]);
+    }
+    return true;
+}

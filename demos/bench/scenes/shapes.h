@@ -33,6 +33,9 @@ bool qcBenchShapes_MakeSheets(double gap, qcMesh sheets[2]);
 /// thousandth of its length.
 bool qcBenchShapes_MakeSlivers(uint32_t count, qcMesh* mesh);
 
+/// Triangles with corners of their own at the same three points: each intersects each.
+bool qcBenchShapes_MakeCoincident(uint32_t count, qcMesh* mesh);
+
 #ifdef __cplusplus
 }
 #endif
