@@ -189,7 +189,7 @@ START_TEST(most_results_of_a_cloth_are_sure)
     qcSureResults results = {0};
     ck_assert_int_eq(qcSureResults_Find(&results, &view, steps, cloth.triangleCount, visible), qc_statusOk);
     uint32_t open = 0, rendered = 0;
-    for (uint32_t i = 0; i < cloth.triangleCount; i++)
+    for (size_t i = 0; i < results.steps.count; i++)
     {
         open += ((const qcVisibilityStep*)results.steps.data)[i].test;
         rendered += ((const qcVisibilityStep*)results.steps.data)[i].render;

@@ -465,9 +465,11 @@ qcStatus qcVisibility_RunPass(qcVisibility* v, const qcVisibilityPass* pass, con
     {
         const qcSureView sure = {v->corners.data, v->resolution, pass->axis, pass->fromBack};
         QC_TRY(qcSureResults_Find(&v->sure, &sure, steps, stepCount, visible));
-        steps = v->sure.steps.data;
+        QC_TRY(qcTileSchedule_Build(&v->schedule, &view, v->sure.steps.data, (uint32_t)v->sure.steps.count));
+        qcTileSchedule_Renumber(&v->schedule, v->sure.stepOf.data);
     }
-    QC_TRY(qcTileSchedule_Build(&v->schedule, &view, steps, stepCount));
+    else
+        QC_TRY(qcTileSchedule_Build(&v->schedule, &view, steps, stepCount));
     PassJob job = {.visibility = v, .pass = pass, .visible = visible, .stepCount = stepCount};
     return qcDevice_RunIn(v->device, v->generation, DrawPass, &job, "visibility queries, pass");
 }

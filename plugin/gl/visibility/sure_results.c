@@ -12,6 +12,13 @@ enum
     qc_maxCellsPerSide = 1024
 };
 
+/// How a triangle is drawn.
+enum
+{
+    qc_drawTest = 1,
+    qc_drawRender = 2
+};
+
 // Pixels by which a rasteriser may move a corner, in x and y each: GL demands 4 bits of subpixel.
 static const float s_snap = 0.0625f;
 
@@ -205,18 +212,24 @@ static bool HasSample(const Triangle* t)
            floorf(t->upper[1] - 0.5f) >= ceilf(t->lower[1] - 0.5f);
 }
 
+/// Triangles of a step that takes part.
+static uint32_t CountTriangles(const qcVisibilityStep* step)
+{
+    return step->test || step->render ? step->triangleCount : 0;
+}
+
 static qcStatus MakeTriangles(const Finder* f)
 {
     qcSureResults* r = f->results;
     size_t count = 0;
     for (uint32_t s = 0; s < f->stepCount; ++s)
-        count += f->steps[s].test || f->steps[s].render ? f->steps[s].triangleCount : 0;
+        count += CountTriangles(&f->steps[s]);
     QC_TRY(qcArray_Reserve(&r->triangles, count, sizeof(Triangle), "triangles of visibility tests"));
     r->triangles.count = 0;
     for (uint32_t s = 0; s < f->stepCount; ++s)
     {
         const qcVisibilityStep* step = &f->steps[s];
-        for (uint32_t k = 0; (step->test || step->render) && k < step->triangleCount; ++k)
+        for (uint32_t k = 0; k < CountTriangles(step); ++k)
             QC_AT(Triangle, r->triangles, r->triangles.count++) = MakeTriangle(f->view, step->firstTriangle + k, s);
     }
     return qc_statusOk;
@@ -319,30 +332,34 @@ static bool IsHidden(const Finder* f, const Triangle* t, size_t end)
     return false;
 }
 
-/// Marks the renders of a cell that may hide a triangle, of triangles before `end`. Returns whether there are any.
-static bool MarkCell(const Finder* f, const Triangle* t, size_t end, uint32_t cellX, uint32_t cellY)
+/// Whether a cell is the first one that a render and a triangle are both in.
+static bool IsFirstCell(const Finder* f, const Entry* entry, const Triangle* t, uint32_t cellX, uint32_t cellY)
 {
-    bool any = false;
+    return FindCell(f, fmaxf(entry->lower[0], t->lower[0])) == cellX &&
+           FindCell(f, fmaxf(entry->lower[1], t->lower[1])) == cellY;
+}
+
+/// Marks the renders in a cell that may hide a triangle, among triangles before `end`. `any`: whether there are any.
+static void MarkCell(const Finder* f, const Triangle* t, size_t end, uint32_t cellX, uint32_t cellY, bool* any)
+{
     const size_t* first = f->results->cellFirst.data;
     size_t cell = (size_t)cellY * f->cellsPerSide + cellX;
     const Entry* entries = f->results->entries.data;
+    uint8_t* drawn = f->results->drawn.data;
     for (size_t i = first[cell]; i < first[cell + 1] && entries[i].triangle < end; ++i)
     {
         const Entry* entry = &entries[i];
         if (entry->nearest > t->farthest || entry->lower[0] > t->upper[0] || entry->upper[0] < t->lower[0] ||
             entry->lower[1] > t->upper[1] || entry->upper[1] < t->lower[1])
             continue;
-        // The first cell that both are in counts.
-        if (FindCell(f, fmaxf(entry->lower[0], t->lower[0])) != cellX ||
-            FindCell(f, fmaxf(entry->lower[1], t->lower[1])) != cellY)
+        // Where the triangle is tested in any case, a render that is drawn in any case makes no difference.
+        bool isMarked = *any && (drawn[entry->triangle] & qc_drawRender) != 0;
+        if (isMarked || !IsFirstCell(f, entry, t, cellX, cellY) ||
+            !MayHide(&QC_AT(Triangle, f->results->triangles, entry->triangle), t))
             continue;
-        const Triangle* render = &QC_AT(Triangle, f->results->triangles, entry->triangle);
-        if (!MayHide(render, t))
-            continue;
-        QC_AT(uint8_t, f->results->needed, render->step) = 1;
-        any = true;
+        drawn[entry->triangle] |= qc_drawRender;
+        *any = true;
     }
-    return any;
 }
 
 static bool MarkHiders(const Finder* f, const Triangle* t, size_t end)
@@ -353,57 +370,77 @@ static bool MarkHiders(const Finder* f, const Triangle* t, size_t end)
     CellBox box = FindCells(f, t);
     for (uint32_t y = box.y0; y <= box.y1; ++y)
         for (uint32_t x = box.x0; x <= box.x1; ++x)
-            any = MarkCell(f, t, end, x, y) || any;
+            MarkCell(f, t, end, x, y, &any);
     return any;
 }
 
-/// Decides the test of a step, whose triangles begin here, or leaves it.
+/// Decides the test of a step, whose triangles begin here, or leaves those triangles of it that something may hide.
 static void DecideStep(const Finder* f, uint32_t step, size_t firstTriangle, uint8_t* visible)
 {
-    qcVisibilityStep* left = &QC_AT(qcVisibilityStep, f->results->steps, step);
     size_t end = firstTriangle + f->steps[step].triangleCount;
     for (size_t i = firstTriangle; i < end; ++i)
     {
         if (!IsHidden(f, &QC_AT(Triangle, f->results->triangles, i), firstTriangle))
             continue;
         visible[step] = 0;
-        left->test = false;
         return;
     }
-    bool any = false;
     for (size_t i = firstTriangle; i < end; ++i)
-        any = MarkHiders(f, &QC_AT(Triangle, f->results->triangles, i), firstTriangle) || any;
-    left->test = any;
+        if (MarkHiders(f, &QC_AT(Triangle, f->results->triangles, i), firstTriangle))
+            QC_AT(uint8_t, f->results->drawn, i) |= qc_drawTest;
     visible[step] = 1;
+}
+
+/// Adds the triangles of a step, which begin here, that are drawn in this way.
+static void AddSteps(const Finder* f, uint32_t step, size_t firstTriangle, unsigned draw)
+{
+    qcSureResults* r = f->results;
+    for (uint32_t k = 0; k < CountTriangles(&f->steps[step]); ++k)
+    {
+        if ((QC_AT(uint8_t, r->drawn, firstTriangle + k) & draw) == 0)
+            continue;
+        QC_AT(uint32_t, r->stepOf, r->steps.count) = step;
+        QC_AT(qcVisibilityStep, r->steps, r->steps.count++) =
+            (qcVisibilityStep){f->steps[step].firstTriangle + k, 1, draw == qc_drawTest, draw == qc_drawRender};
+    }
+}
+
+/// Decides the tests of all steps, and adds what is left of them.
+static qcStatus DecideSteps(const Finder* f, uint8_t* visible)
+{
+    qcSureResults* r = f->results;
+    size_t triangleCount = r->triangles.count, triangle = 0;
+    QC_TRY(qcArray_Resize(&r->drawn, triangleCount, 1, "triangles of visibility tests"));
+    memset(r->drawn.data, 0, triangleCount);
+    for (uint32_t s = 0; s < f->stepCount; triangle += CountTriangles(&f->steps[s++]))
+        if (f->steps[s].test)
+            DecideStep(f, s, triangle, visible);
+    QC_TRY(qcArray_Reserve(&r->steps, 2 * triangleCount, sizeof(qcVisibilityStep), "visibility steps"));
+    QC_TRY(qcArray_Reserve(&r->stepOf, 2 * triangleCount, sizeof(uint32_t), "visibility steps"));
+    triangle = 0;
+    for (uint32_t s = 0; s < f->stepCount; triangle += CountTriangles(&f->steps[s++]))
+    {
+        AddSteps(f, s, triangle, qc_drawTest);
+        AddSteps(f, s, triangle, qc_drawRender);
+    }
+    return qc_statusOk;
 }
 
 qcStatus qcSureResults_Find(qcSureResults* r, const qcSureView* view, const qcVisibilityStep* steps, uint32_t stepCount,
                             uint8_t* visible)
 {
     Finder f = {.view = view, .steps = steps, .stepCount = stepCount, .results = r};
-    QC_TRY(qcArray_Resize(&r->steps, stepCount, sizeof(qcVisibilityStep), "visibility steps"));
-    QC_TRY(qcArray_Resize(&r->needed, stepCount, 1, "visibility steps"));
-    if (stepCount == 0)
-        return qc_statusOk;
-    memcpy(r->steps.data, steps, stepCount * sizeof(qcVisibilityStep));
-    memset(r->needed.data, 0, stepCount);
+    r->steps.count = r->stepOf.count = 0;
     QC_TRY(MakeTriangles(&f));
+    if (r->triangles.count == 0)
+        return qc_statusOk;
     QC_TRY(MakeCells(&f));
-    size_t triangle = 0;
-    for (uint32_t s = 0; s < stepCount; ++s)
-    {
-        if (steps[s].test)
-            DecideStep(&f, s, triangle, visible);
-        triangle += steps[s].test || steps[s].render ? steps[s].triangleCount : 0;
-    }
-    for (uint32_t s = 0; s < stepCount; ++s)
-        QC_AT(qcVisibilityStep, r->steps, s).render = QC_AT(uint8_t, r->needed, s) != 0;
-    return qc_statusOk;
+    return DecideSteps(&f, visible);
 }
 
 void qcSureResults_Free(qcSureResults* r)
 {
-    qcArray* arrays[] = {&r->steps, &r->triangles, &r->cellFirst, &r->entries, &r->needed};
+    qcArray* arrays[] = {&r->steps, &r->stepOf, &r->triangles, &r->cellFirst, &r->entries, &r->drawn};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i)
         qcArray_Free(arrays[i]);
 }

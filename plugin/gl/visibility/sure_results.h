@@ -9,8 +9,9 @@
 /// All zero at first; keeps its memory between passes.
 typedef struct qcSureResults
 {
-    qcArray steps; ///< qcVisibilityStep: those of the pass, with what is left to test and to render
-    qcArray triangles, cellFirst, entries, needed; // scratch
+    qcArray steps;  ///< qcVisibilityStep: what is left to test and to render, a triangle each
+    qcArray stepOf; ///< uint32_t: the step of the pass that each belongs to; it is hidden if one of its tests is
+    qcArray triangles, cellFirst, entries, drawn; // scratch
 } qcSureResults;
 
 typedef struct qcSureView
@@ -21,7 +22,7 @@ typedef struct qcSureView
     bool fromBack;
 } qcSureView;
 
-/// Sets visible[i] of the tests that are sure, and fills `steps`. O(overlaps of the triangles' boxes).
+/// Sets visible[i] of the tests that are sure, and 1 of those left. Fills `steps`. O(overlaps of the triangles' boxes).
 qcStatus qcSureResults_Find(qcSureResults* results, const qcSureView* view, const qcVisibilityStep* steps,
                             uint32_t stepCount, uint8_t* visible);
 void qcSureResults_Free(qcSureResults* results);

@@ -338,6 +338,14 @@ qcStatus qcTileSchedule_Build(qcTileSchedule* s, const qcScheduleView* view, con
     return qc_statusOk;
 }
 
+void qcTileSchedule_Renumber(qcTileSchedule* s, const uint32_t* stepOf)
+{
+    for (size_t i = 0; i < s->polygons.count; ++i)
+        QC_AT(qcSchedulePolygon, s->polygons, i).step = stepOf[QC_AT(qcSchedulePolygon, s->polygons, i).step];
+    for (size_t i = 0; i < s->tests.count; ++i)
+        QC_AT(qcScheduleTest, s->tests, i).step = stepOf[QC_AT(qcScheduleTest, s->tests, i).step];
+}
+
 void qcTileSchedule_Free(qcTileSchedule* s)
 {
     qcArray* arrays[] = {&s->indices, &s->polygons, &s->tests, &s->batches, &s->tiles, &s->tileFirst,
