@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "gl/visibility/occlusion_queries.h"
 #include "gl/visibility/sure_results.h"
+#include "gl/visibility/tile_schedule.h"
 #include "support/devices.h"
 #include "support/long_form.h"
 #include "support/scenes.h"
@@ -206,6 +207,33 @@ START_TEST(most_results_of_a_cloth_are_sure)
 }
 END_TEST
 
+START_TEST(counted_tests_of_a_cloth_need_one_batch)
+{
+    qcSoup cloth = qcSoup_MakeFoldedCloth(3, 40, 0.02, 0.005);
+    float* corners = MakeCorners(&cloth);
+    qcVisibilityStep* steps = malloc(cloth.triangleCount * sizeof *steps);
+    qcScheduleView view = {
+        .corners = corners, .resolution = 1024, .tileSize = 1024, .axis = 2, .polygonCorners = 3, .counts = true};
+    qcTileSchedule schedule = {0};
+    for (uint32_t i = 0; i < cloth.triangleCount; i++)
+        steps[i] = (qcVisibilityStep){i, 1, true, true};
+    ck_assert_int_eq(qcTileSchedule_Build(&schedule, &view, steps, cloth.triangleCount), qc_statusOk);
+    ck_assert_uint_eq(schedule.batches.count, 1);
+    ck_assert_uint_eq(((const qcScheduleTile*)schedule.tiles.data)->countedCount, cloth.triangleCount);
+    for (uint32_t i = 0; i < cloth.triangleCount; i++)
+        ck_assert_uint_eq(((const qcSchedulePolygon*)schedule.polygons.data)[i].step, i);
+    // Without counting each triangle waits for the renders of its neighbours.
+    view.counts = false;
+    ck_assert_int_eq(qcTileSchedule_Build(&schedule, &view, steps, cloth.triangleCount), qc_statusOk);
+    ck_assert_uint_gt(schedule.batches.count, 100);
+    qcTileSchedule_Free(&schedule);
+    free(steps);
+    free(corners);
+    qcSoup_Free(&cloth);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
 //  ---- scenes --------------------------------------------------------------------------------------
 
 /// A cloth, a soup and a few spheres, near each other.
@@ -320,4 +348,4 @@ END_TEST
 
 QC_RUN_TESTS("visibility, each way", random_passes_have_the_same_results_each_way,
              a_batch_of_thousands_of_tests_flags_the_right_ones, most_results_of_a_cloth_are_sure,
-             scenes_have_the_same_pcs_each_way)
+             counted_tests_of_a_cloth_need_one_batch, scenes_have_the_same_pcs_each_way)

@@ -1,5 +1,6 @@
 #include "gl/visibility/fragment_flags.h"
 
+#include "gl/visibility/tile_schedule.h"
 #include "base/status.h"
 
 #include <string.h>
@@ -9,30 +10,35 @@ static const char* const s_vertexShader =
     "#version 430 core\n"
     "invariant gl_Position;\n"
     "layout(std430, binding = 0) readonly buffer Corners { float corners[]; };\n"
-    "layout(std430, binding = 1) readonly buffer Polygons { uvec2 polygons[]; };\n"
+    "layout(std430, binding = 1) readonly buffer Polygons { uint polygons[]; };\n"
     "uniform int axis;\n"
     "uniform float scale;\n"
     "flat out uint stepOf;\n"
+    "flat out uint isCounted;\n"
     "void main()\n"
     "{\n"
-    "    uvec2 polygon = polygons[gl_VertexID / 3];\n"
-    "    int corner = 9 * int(polygon.x) + 3 * (gl_VertexID % 3);\n"
-    "    stepOf = polygon.y;\n"
+    "    int polygon = 3 * (gl_VertexID / 3);\n"
+    "    int corner = 9 * int(polygons[polygon]) + 3 * (gl_VertexID % 3);\n"
+    "    stepOf = polygons[polygon + 1];\n"
+    "    isCounted = polygons[polygon + 2];\n"
     "    gl_Position = vec4(corners[corner + (axis + 1) % 3], corners[corner + (axis + 2) % 3],\n"
     "                       scale * corners[corner + axis], 1.0);\n"
     "}\n";
 
-// A fragment of a test that gets here has passed "greater" or "greater or equal": it is hidden. Renders use the
-// program, too: binding the buffers anew for each batch would make llvmpipe wait each time.
+// A fragment of a test that gets here has passed "greater" or "greater or equal": it is hidden. All parts use one
+// program: binding the buffers anew for each batch would make llvmpipe wait each time. `part`: of qcFlagPart.
 static const char* const s_fragmentShader = "#version 430 core\n"
                                             "layout(early_fragment_tests) in;\n"
-                                            "layout(std430, binding = 2) writeonly buffer Flags { uint flags[]; };\n"
-                                            "uniform bool tests;\n"
+                                            "layout(std430, binding = 2) buffer Flags { uint flags[]; };\n"
+                                            "uniform int part;\n"
                                             "flat in uint stepOf;\n"
+                                            "flat in uint isCounted;\n"
                                             "void main()\n"
                                             "{\n"
-                                            "    if (tests)\n"
+                                            "    if (part == 0)\n"
                                             "        flags[stepOf] = 1u;\n"
+                                            "    else if (isCounted != 0u)\n"
+                                            "        atomicAdd(flags[stepOf], part == 1 ? 1u : 0xffffffffu);\n"
                                             "}\n";
 
 bool qcFragmentFlags_AreSupported(const struct qcGlFunctions* gl)
@@ -55,7 +61,7 @@ static void Upload(const struct qcGlFunctions* gl, GLuint buffer, GLuint binding
 qcStatus qcFragmentFlags_Create(const struct qcGlFunctions* gl, const qcArray* corners, qcFragmentFlags* flags)
 {
     QC_TRY(qcGlFunctions_GetProgram(gl, "visibility flags", s_vertexShader, s_fragmentShader, &flags->program));
-    flags->testsUniform = gl->GetUniformLocation(flags->program, "tests");
+    flags->partUniform = gl->GetUniformLocation(flags->program, "part");
     gl->GenBuffers(1, &flags->cornerBuffer);
     gl->GenBuffers(1, &flags->polygonBuffer);
     gl->GenBuffers(1, &flags->flagBuffer);
@@ -85,15 +91,15 @@ qcStatus qcFragmentFlags_BeginPass(const struct qcGlFunctions* gl, qcFragmentFla
     gl->Uniform1i(gl->GetUniformLocation(flags->program, "axis"), axis);
     gl->Uniform1f(gl->GetUniformLocation(flags->program, "scale"), scale);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, flags->cornerBuffer);
-    Upload(gl, flags->polygonBuffer, 1, polygons, 2 * sizeof(uint32_t));
+    Upload(gl, flags->polygonBuffer, 1, polygons, sizeof(qcSchedulePolygon));
     Upload(gl, flags->flagBuffer, 2, &flags->flags, sizeof(uint32_t));
     return qc_statusOk;
 }
 
 void qcFragmentFlags_Draw(const struct qcGlFunctions* gl, const qcFragmentFlags* flags, size_t first, size_t count,
-                          bool test)
+                          qcFlagPart part)
 {
-    gl->Uniform1i(flags->testsUniform, test ? 1 : 0);
+    gl->Uniform1i(flags->partUniform, part);
     gl->DrawArrays(GL_TRIANGLES, (GLint)(3 * first), (GLsizei)(3 * count));
 }
 

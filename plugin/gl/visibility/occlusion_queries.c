@@ -235,7 +235,7 @@ static void DrawTests(const struct qcGlFunctions* gl, PassJob* job, const qcSche
 {
     const qcVisibility* v = job->visibility;
     if (v->storesFlags)
-        qcFragmentFlags_Draw(gl, &v->flags, batch->firstTested, batch->testedCount, true);
+        qcFragmentFlags_Draw(gl, &v->flags, batch->firstTested, batch->testedCount, qc_flagTest);
     for (size_t i = 0; !v->storesFlags && i < batch->testCount; ++i)
         IssueTest(gl, job, &QC_AT(qcScheduleTest, v->schedule.tests, batch->firstTest + i));
 }
@@ -243,9 +243,30 @@ static void DrawTests(const struct qcGlFunctions* gl, PassJob* job, const qcSche
 static void DrawRenders(const struct qcGlFunctions* gl, const qcVisibility* v, const qcScheduleBatch* batch)
 {
     if (v->storesFlags)
-        qcFragmentFlags_Draw(gl, &v->flags, batch->firstPolygon, batch->polygonCount, false);
+        qcFragmentFlags_Draw(gl, &v->flags, batch->firstPolygon, batch->polygonCount, qc_flagRender);
     else
         DrawPolygons(gl, v, batch->firstPolygon, batch->polygonCount);
+}
+
+static void DrawBatch(const struct qcGlFunctions* gl, PassJob* job, const qcScheduleTile* tile,
+                      const qcScheduleBatch* batch)
+{
+    bool greater = job->pass->compare == qc_compareGreater;
+    if (batch->testCount > 0)
+    {
+        gl->DepthFunc(greater ? GL_GREATER : GL_GEQUAL);
+        gl->DepthMask(GL_FALSE);
+        SelectDepth(gl, job, tile, true);
+        DrawTests(gl, job, batch);
+    }
+    if (batch->polygonCount > 0)
+    {
+        // The opposite of the test: what passes is not hidden. At equal depth nothing changes.
+        gl->DepthFunc(greater ? GL_LEQUAL : GL_LESS);
+        gl->DepthMask(GL_TRUE);
+        SelectDepth(gl, job, tile, false);
+        DrawRenders(gl, job->visibility, batch);
+    }
 }
 
 static void DrawTile(const struct qcGlFunctions* gl, PassJob* job, const qcScheduleTile* tile)
@@ -253,25 +274,17 @@ static void DrawTile(const struct qcGlFunctions* gl, PassJob* job, const qcSched
     const qcVisibility* v = job->visibility;
     // The whole image's viewport, moved: the samples are those of the untiled image.
     gl->Viewport(-(GLint)tile->x, -(GLint)tile->y, (GLsizei)v->resolution, (GLsizei)v->resolution);
+    gl->DepthMask(GL_TRUE);
     gl->Clear(GL_DEPTH_BUFFER_BIT);
+    if (tile->countedCount > 0)
+    {
+        gl->DepthFunc(GL_ALWAYS);
+        gl->DepthMask(GL_FALSE);
+        qcFragmentFlags_Draw(gl, &v->flags, tile->firstPolygon, tile->polygonCount, qc_flagCount);
+    }
     const qcScheduleBatch* batch = &QC_AT(qcScheduleBatch, v->schedule.batches, tile->firstBatch);
     for (const qcScheduleBatch* end = batch + tile->batchCount; batch < end; ++batch)
-    {
-        if (batch->testCount > 0)
-        {
-            gl->DepthFunc(job->pass->compare == qc_compareGreater ? GL_GREATER : GL_GEQUAL);
-            gl->DepthMask(GL_FALSE);
-            SelectDepth(gl, job, tile, true);
-            DrawTests(gl, job, batch);
-            gl->DepthFunc(GL_LESS);
-            gl->DepthMask(GL_TRUE);
-        }
-        if (batch->polygonCount > 0)
-        {
-            SelectDepth(gl, job, tile, false);
-            DrawRenders(gl, v, batch);
-        }
-    }
+        DrawBatch(gl, job, tile, batch);
 }
 
 static void ReadPending(const struct qcGlFunctions* gl, PassJob* job)
@@ -332,7 +345,7 @@ static qcStatus DrawPass(const struct qcGlFunctions* gl, void* context)
     for (size_t i = 0; i < v->schedule.tiles.count; ++i)
     {
         const qcScheduleTile* tile = &QC_AT(qcScheduleTile, v->schedule.tiles, i);
-        if (tile->testCount == 0)
+        if (tile->testCount == 0 && tile->countedCount == 0)
             continue;
         if (!v->storesFlags)
         {
@@ -458,7 +471,8 @@ qcStatus qcVisibility_RunPass(qcVisibility* v, const qcVisibilityPass* pass, con
                            .resolution = v->resolution,
                            .tileSize = v->tileSize,
                            .axis = pass->axis,
-                           .polygonCorners = GetPolygonCorners(v)};
+                           .polygonCorners = GetPolygonCorners(v),
+                           .counts = v->storesFlags};
     if (v->isDilated)
         QC_TRY(Dilate(v, pass->axis, view.dilation));
     if (WantsSureResults(v))

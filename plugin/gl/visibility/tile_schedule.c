@@ -1,5 +1,6 @@
 // Bins the triangles of a pass into tiles, then gives each step of a tile the earliest level that keeps its result. A
-// level is a batch: all its tests, then all its renders. Pixel boxes stand for triangles, which is conservative.
+// level is a batch: all its tests, then all its renders, counted tests among them. Pixel boxes stand for triangles,
+// which is conservative.
 #include "gl/visibility/tile_schedule.h"
 
 #include "base/status.h"
@@ -46,6 +47,14 @@ typedef struct CellBox
 {
     uint32_t x0, y0, x1, y1;
 } CellBox;
+
+/// What a run does in its level, in this order. Within a level renders are drawn in step order.
+typedef enum Part
+{
+    qc_partTest,
+    qc_partTestThenRender,
+    qc_partRender ///< counted or not
+} Part;
 
 /// The pass that is scheduled.
 typedef struct Pass
@@ -148,9 +157,15 @@ static PixelBox JoinBoxes(PixelBox a, PixelBox b)
                       a.y1 > b.y1 ? a.y1 : b.y1};
 }
 
+/// Whether a step is tested by counting the fragments that pass as it is rendered.
+static bool IsCounted(const qcScheduleView* view, const qcVisibilityStep* step)
+{
+    return view->counts && step->test && step->render && step->triangleCount == 1;
+}
+
 /// Returns the first level of a step at which its tests see all earlier renders, and no earlier test sees its renders.
 /// Updates the cells.
-static uint32_t TakeLevel(Cell* cells, uint32_t cellsPerSide, CellBox box, const qcVisibilityStep* step)
+static uint32_t TakeLevel(Cell* cells, uint32_t cellsPerSide, CellBox box, const qcVisibilityStep* step, bool isCounted)
 {
     uint32_t level = 0;
     for (uint32_t y = box.y0; y <= box.y1; ++y)
@@ -158,9 +173,10 @@ static uint32_t TakeLevel(Cell* cells, uint32_t cellsPerSide, CellBox box, const
         for (uint32_t x = box.x0; x <= box.x1; ++x)
         {
             const Cell* cell = &cells[(size_t)y * cellsPerSide + x];
-            if (step->test && cell->afterRenders > level)
-                level = cell->afterRenders;
-            // Within a level renders come after tests. The order of renders does not matter.
+            // A counted test sees the renders before it in its own level, too.
+            if (step->test && cell->afterRenders > level + isCounted)
+                level = cell->afterRenders - isCounted;
+            // Within a level renders come after tests, and after the counted tests before them.
             if (step->render && cell->lastTest > level)
                 level = cell->lastTest;
         }
@@ -207,7 +223,8 @@ static qcStatus FindRuns(qcTileSchedule* s, const Pass* pass, const qcScheduleTi
         for (end = i + 1; end < entryRange[1] && entries[end].step == entries[i].step; ++end)
             box = JoinBoxes(box, entries[end].box);
         CellBox cells = FindCells(box, tile, tileSize, cellSize);
-        uint32_t level = TakeLevel(s->cells.data, cellsPerSide, cells, &pass->steps[entries[i].step]);
+        const qcVisibilityStep* step = &pass->steps[entries[i].step];
+        uint32_t level = TakeLevel(s->cells.data, cellsPerSide, cells, step, IsCounted(pass->view, step));
         if (level + 1 > *levelCount)
             *levelCount = level + 1;
         QC_TRY(qcArray_Reserve(&s->runs, s->runs.count + 1, sizeof(Run), "runs of a tile"));
@@ -216,15 +233,15 @@ static qcStatus FindRuns(qcTileSchedule* s, const Pass* pass, const qcScheduleTi
     return qc_statusOk;
 }
 
-static size_t SortKey(const Run* run, const qcVisibilityStep* steps)
+static size_t SortKey(const Pass* pass, const Run* run)
 {
-    // In their level, runs that test come first and runs that render last: one draw can test or render them all.
-    const qcVisibilityStep* step = &steps[run->step];
-    return (size_t)3 * run->level + (step->render ? (step->test ? 1 : 2) : 0);
+    const qcVisibilityStep* step = &pass->steps[run->step];
+    bool tests = step->test && !IsCounted(pass->view, step);
+    return (size_t)3 * run->level + (step->render ? (tests ? qc_partTestThenRender : qc_partRender) : qc_partTest);
 }
 
 /// Counting sort of the runs by level.
-static qcStatus SortRuns(qcTileSchedule* s, const qcVisibilityStep* steps, uint32_t levelCount)
+static qcStatus SortRuns(qcTileSchedule* s, const Pass* pass, uint32_t levelCount)
 {
     size_t keyCount = (size_t)3 * levelCount + 1;
     QC_TRY(qcArray_Resize(&s->keys, keyCount, sizeof(size_t), "levels of a tile"));
@@ -233,11 +250,11 @@ static qcStatus SortRuns(qcTileSchedule* s, const qcVisibilityStep* steps, uint3
     memset(keys, 0, keyCount * sizeof(size_t));
     const Run* runs = s->runs.data;
     for (size_t i = 0; i < s->runs.count; ++i)
-        ++keys[SortKey(&runs[i], steps) + 1];
+        ++keys[SortKey(pass, &runs[i]) + 1];
     for (size_t i = 1; i < keyCount; ++i)
         keys[i] += keys[i - 1];
     for (size_t i = 0; i < s->runs.count; ++i)
-        QC_AT(Run, s->order, keys[SortKey(&runs[i], steps)]++) = runs[i];
+        QC_AT(Run, s->order, keys[SortKey(pass, &runs[i])]++) = runs[i];
     return qc_statusOk;
 }
 
@@ -254,15 +271,31 @@ static uint32_t* WriteFan(uint32_t* indices, uint32_t triangle, uint32_t polygon
     return indices;
 }
 
+/// Adds a run to its batch; its polygons begin here.
+static void AddRun(qcTileSchedule* s, const Pass* pass, const Run* run, size_t polygon, qcScheduleBatch* batch)
+{
+    const qcVisibilityStep* step = &pass->steps[run->step];
+    if (step->test && !IsCounted(pass->view, step))
+    {
+        QC_AT(qcScheduleTest, s->tests, s->tests.count++) = (qcScheduleTest){run->step, run->triangleCount, polygon};
+        ++batch->testCount;
+        batch->testedCount += run->triangleCount;
+    }
+    if (step->render)
+    {
+        if (batch->polygonCount == 0)
+            batch->firstPolygon = polygon;
+        batch->polygonCount += run->triangleCount;
+    }
+}
+
 /// Writes the sorted runs as indices, tests and batches. The arrays have room.
-static void WriteBatches(qcTileSchedule* s, const qcVisibilityStep* steps, uint32_t polygonCorners,
-                         qcScheduleTile* tile)
+static void WriteBatches(qcTileSchedule* s, const Pass* pass, qcScheduleTile* tile)
 {
     const Run* runs = s->order.data;
     const Entry* entries = s->entries.data;
-    size_t polygon = s->indices.count / qcTileSchedule_GetIndexCount(polygonCorners);
+    size_t polygon = s->polygons.count;
     uint32_t* index = &QC_AT(uint32_t, s->indices, s->indices.count);
-    qcSchedulePolygon* drawn = &QC_AT(qcSchedulePolygon, s->polygons, polygon);
     qcScheduleBatch* batch = NULL;
     for (size_t i = 0; i < s->order.count; ++i)
     {
@@ -272,27 +305,17 @@ static void WriteBatches(qcTileSchedule* s, const qcVisibilityStep* steps, uint3
             batch = &QC_AT(qcScheduleBatch, s->batches, s->batches.count++);
             *batch = (qcScheduleBatch){s->tests.count, 0, polygon, 0, polygon, 0};
         }
-        if (steps[run->step].test)
-        {
-            QC_AT(qcScheduleTest, s->tests, s->tests.count++) =
-                (qcScheduleTest){run->step, run->triangleCount, polygon};
-            ++batch->testCount;
-            batch->testedCount += run->triangleCount;
-        }
-        if (steps[run->step].render)
-        {
-            if (batch->polygonCount == 0)
-                batch->firstPolygon = polygon;
-            batch->polygonCount += run->triangleCount;
-        }
-        polygon += run->triangleCount;
+        AddRun(s, pass, run, polygon, batch);
+        uint32_t isCounted = IsCounted(pass->view, &pass->steps[run->step]);
+        tile->countedCount += isCounted * run->triangleCount;
         for (uint32_t k = 0; k < run->triangleCount; ++k)
         {
             uint32_t triangle = entries[run->firstEntry + k].triangle;
-            index = WriteFan(index, triangle, polygonCorners);
-            *drawn++ = (qcSchedulePolygon){triangle, run->step};
+            index = WriteFan(index, triangle, pass->view->polygonCorners);
+            QC_AT(qcSchedulePolygon, s->polygons, polygon++) = (qcSchedulePolygon){triangle, run->step, isCounted};
         }
     }
+    tile->polygonCount = polygon - tile->firstPolygon;
     s->polygons.count = polygon;
     s->indices.count = (size_t)(index - (uint32_t*)s->indices.data);
     tile->batchCount = s->batches.count - tile->firstBatch;
@@ -304,14 +327,15 @@ static qcStatus AddTile(qcTileSchedule* s, const Pass* pass, uint32_t tx, uint32
     qcScheduleTile tile = {.x = tx * pass->view->tileSize,
                            .y = ty * pass->view->tileSize,
                            .firstBatch = s->batches.count,
-                           .firstTest = s->tests.count};
+                           .firstTest = s->tests.count,
+                           .firstPolygon = s->polygons.count};
     uint32_t levelCount = 0;
     QC_TRY(FindRuns(s, pass, &tile, entryRange, &levelCount));
-    QC_TRY(SortRuns(s, pass->steps, levelCount));
+    QC_TRY(SortRuns(s, pass, levelCount));
     QC_TRY(qcArray_Reserve(&s->tests, s->tests.count + s->runs.count, sizeof(qcScheduleTest), "visibility tests"));
     QC_TRY(qcArray_Reserve(&s->batches, s->batches.count + levelCount, sizeof(qcScheduleBatch), "visibility batches"));
     QC_TRY(qcArray_Reserve(&s->tiles, s->tiles.count + 1, sizeof(qcScheduleTile), "visibility tiles"));
-    WriteBatches(s, pass->steps, pass->view->polygonCorners, &tile);
+    WriteBatches(s, pass, &tile);
     QC_AT(qcScheduleTile, s->tiles, s->tiles.count++) = tile;
     return qc_statusOk;
 }

@@ -9,6 +9,7 @@
 typedef struct qcSchedulePolygon
 {
     uint32_t triangle, step;
+    uint32_t isCounted; ///< 1: tested as it is rendered, by counting; else 0
 } qcSchedulePolygon;
 
 /// One query: a run of the index list.
@@ -19,7 +20,8 @@ typedef struct qcScheduleTest
     size_t firstPolygon; ///< in the index list
 } qcScheduleTest;
 
-/// Tests with the same depth buffer as in step order, then the polygons drawn after them.
+/// Tests with the same depth buffer as in step order, then the polygons drawn after them. Those that overlap are drawn
+/// in step order.
 typedef struct qcScheduleBatch
 {
     size_t firstTest, testCount;
@@ -32,6 +34,7 @@ typedef struct qcScheduleTile
     uint32_t x, y; ///< first pixel in the image
     size_t firstBatch, batchCount;
     size_t firstTest, testCount;
+    size_t firstPolygon, polygonCount, countedCount; ///< of all its batches
 } qcScheduleTile;
 
 /// All zero at first; keeps its memory between passes.
@@ -52,6 +55,9 @@ typedef struct qcScheduleView
     int axis;                ///< of view; the image's x is the next axis in cyclic order
     float dilation[2];       ///< pixels by which a triangle's fragments may lie beyond it, in the image's x and y
     uint32_t polygonCorners; ///< of the polygon drawn for a triangle, consecutive in memory: 3 or more
+    /// A triangle that is a step of its own, tested and rendered, is tested by rendering it: in a draw each fragment
+    /// meets the depths of the polygons before it. Such tests aren't among those of a batch.
+    bool counts;
 } qcScheduleView;
 
 /// Indices of a polygon drawn as triangles.
