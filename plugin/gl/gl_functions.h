@@ -137,7 +137,8 @@ struct qcGlFunctions
 #undef QC_GL_FIELD
     /// Null below GL 4.5.
     PFNGLGETGRAPHICSRESETSTATUSPROC GetGraphicsResetStatus;
-    /// Compute shaders; all null below GL 4.3.
+    /// Compute shaders and clearing of buffers; all null below GL 4.3.
+    PFNGLCLEARBUFFERDATAPROC ClearBufferData;
     PFNGLDISPATCHCOMPUTEPROC DispatchCompute;
     PFNGLDISPATCHCOMPUTEINDIRECTPROC DispatchComputeIndirect;
     PFNGLMEMORYBARRIERPROC MemoryBarrier;

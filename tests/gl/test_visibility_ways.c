@@ -93,7 +93,9 @@ static void ComparePasses(qcDevice* device, const qcSoup* soup, uint64_t seed, i
         qcVisibilityDef def = {.device = device,
                                .corners = corners,
                                .triangleCount = soup->triangleCount,
-                               .resolution = resolutions[qcRandom_Below(&random, 6)]};
+                               .resolution = resolutions[qcRandom_Below(&random, 6)],
+                               .dilated = i % 2 == 1,
+                               .dilation = {0.001, 0.002, 0.003}};
         qcVisibilityPass pass = {(int)qcRandom_Below(&random, 3),
                                  qcRandom_Below(&random, 2) == 0 ? qc_compareGreater : qc_compareGreaterEqual,
                                  qcRandom_Below(&random, 2) == 0};
@@ -135,7 +137,7 @@ START_TEST(random_passes_have_the_same_results_each_way)
         for (uint64_t seed = 0; seed < seedCount; seed++)
         {
             qcSoup soup = MakeSoup(seed);
-            ComparePasses(device, &soup, seed, 3);
+            ComparePasses(device, &soup, seed, 4);
             qcSoup_Free(&soup);
         }
     }
@@ -174,6 +176,34 @@ START_TEST(a_batch_of_thousands_of_tests_flags_the_right_ones)
     free(visible);
     free(corners);
     qcSoup_Free(&sheets);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
+START_TEST(equal_depths_of_dilated_triangles_hide_as_the_comparison_says)
+{
+    // Dilated by 1/4 and 2^-20, the first one's nearest depth is the second one's farthest.
+    const float near = 0.0f, far = 0.5f + 0x1p-19f;
+    const float corners[18] = {-0.5f, -0.5f, far,  0.5f, -0.5f, far,  0.0f, 0.5f, far,
+                               -0.5f, -0.5f, near, 0.5f, -0.5f, near, 0.0f, 0.5f, near};
+    const qcVisibilityStep steps[2] = {{0, 1, false, true}, {1, 1, true, false}};
+    QC_FOR_EACH_DEVICE(device)
+    {
+        qcVisibilityDef def = {.device = device,
+                               .corners = corners,
+                               .triangleCount = 2,
+                               .resolution = 64,
+                               .dilated = true,
+                               .dilation = {0.0, 0.0, 0.25}};
+        for (int way = 0; way < qc_wayCount; way++)
+            for (int compare = qc_compareGreaterEqual; compare <= qc_compareGreater; compare++)
+            {
+                const qcVisibilityPass pass = {2, (qcVisibilityCompare)compare, false};
+                uint8_t visible[2];
+                RunWay(way, &def, &pass, steps, 2, visible);
+                ck_assert_msg(visible[1] == (compare == qc_compareGreater), "%s, comparison %d", s_ways[way], compare);
+            }
+    }
     ck_assert_uint_eq(qcGetByteCount(), 0);
 }
 END_TEST
@@ -347,5 +377,6 @@ START_TEST(scenes_have_the_same_pcs_each_way)
 END_TEST
 
 QC_RUN_TESTS("visibility, each way", random_passes_have_the_same_results_each_way,
-             a_batch_of_thousands_of_tests_flags_the_right_ones, most_results_of_a_cloth_are_sure,
+             a_batch_of_thousands_of_tests_flags_the_right_ones,
+             equal_depths_of_dilated_triangles_hide_as_the_comparison_says, most_results_of_a_cloth_are_sure,
              counted_tests_of_a_cloth_need_one_batch, scenes_have_the_same_pcs_each_way)

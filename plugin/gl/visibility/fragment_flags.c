@@ -1,5 +1,6 @@
 #include "gl/visibility/fragment_flags.h"
 
+#include "gl/visibility/conservative_dilation.h"
 #include "gl/visibility/tile_schedule.h"
 #include "base/status.h"
 
@@ -41,6 +42,49 @@ static const char* const s_fragmentShader = "#version 430 core\n"
                                             "        atomicAdd(flags[stepOf], part == 1 ? 1u : 0xffffffffu);\n"
                                             "}\n";
 
+// The polygon of a dilated triangle is a fan. Each corner has eight floats: qcDilatedCorner.
+static const char* const s_dilatedVertexShader =
+    "#version 430 core\n"
+    "layout(std430, binding = 0) readonly buffer Corners { vec4 corners[]; };\n"
+    "layout(std430, binding = 1) readonly buffer Polygons { uint polygons[]; };\n"
+    "flat out uint stepOf;\n"
+    "flat out vec2 range;\n"
+    "flat out vec4 face;\n"
+    "void main()\n"
+    "{\n"
+    "    int polygon = 3 * (gl_VertexID / 15), triangle = gl_VertexID % 15 / 3, turn = gl_VertexID % 3;\n"
+    "    int corner = 2 * (7 * int(polygons[polygon]) + (turn == 0 ? 0 : triangle + turn));\n"
+    "    stepOf = polygons[polygon + 1];\n"
+    "    range = corners[corner].zw;\n"
+    "    face = corners[corner + 1];\n"
+    "    gl_Position = vec4(corners[corner].xy, 0.0, 1.0);\n"
+    "}\n";
+
+// The depth is that of the queries' shader. All depths are above 0: their bits are in the order of the depths.
+static const char* const s_dilatedFragmentShader =
+    "#version 430 core\n"
+    "layout(std430, binding = 2) writeonly buffer Flags { uint flags[]; };\n"
+    "layout(std430, binding = 3) buffer Depths { uint depths[]; };\n"
+    "uniform int part;\n"
+    "uniform float scale;\n"
+    "uniform vec3 tile;\n"
+    "uniform uint tileSize;\n"
+    "uniform uint greater;\n"
+    "flat in uint stepOf;\n"
+    "flat in vec2 range;\n"
+    "flat in vec4 face;\n"
+    "void main()\n"
+    "{\n"
+    "    vec2 pixel = gl_FragCoord.xy + tile.xy;\n"
+    "    float depth = face.x + face.y * pixel.x + face.z * pixel.y + tile.z * face.w;\n"
+    "    uint bits = floatBitsToUint(0.5 + 0.5 * scale * clamp(depth, range.x, range.y));\n"
+    "    uint at = uint(gl_FragCoord.y) * tileSize + uint(gl_FragCoord.x);\n"
+    "    if (part == 2)\n"
+    "        atomicMin(depths[at], bits);\n"
+    "    else if (bits >= depths[at] + greater)\n"
+    "        flags[stepOf] = 1u;\n"
+    "}\n";
+
 bool qcFragmentFlags_AreSupported(const struct qcGlFunctions* gl)
 {
     if (gl->DispatchCompute == NULL)
@@ -48,7 +92,7 @@ bool qcFragmentFlags_AreSupported(const struct qcGlFunctions* gl)
     GLint vertexBlocks = 0, fragmentBlocks = 0;
     gl->GetIntegerv(GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS, &vertexBlocks);
     gl->GetIntegerv(GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS, &fragmentBlocks);
-    return vertexBlocks >= 2 && fragmentBlocks >= 1;
+    return vertexBlocks >= 2 && fragmentBlocks >= 2;
 }
 
 /// Replaces the contents of a buffer, and binds it for the shaders.
@@ -58,15 +102,38 @@ static void Upload(const struct qcGlFunctions* gl, GLuint buffer, GLuint binding
     gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(data->count * size), data->data, GL_STREAM_COPY);
 }
 
-qcStatus qcFragmentFlags_Create(const struct qcGlFunctions* gl, const qcArray* corners, qcFragmentFlags* flags)
+/// A tile's depths. Their contents are undefined.
+static void CreateDepths(const struct qcGlFunctions* gl, uint32_t tileSize, qcFragmentFlags* flags)
 {
-    QC_TRY(qcGlFunctions_GetProgram(gl, "visibility flags", s_vertexShader, s_fragmentShader, &flags->program));
+    gl->GenBuffers(1, &flags->depthBuffer);
+    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, flags->depthBuffer);
+    gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)tileSize * tileSize * (GLsizeiptr)sizeof(uint32_t), NULL,
+                   GL_DYNAMIC_COPY);
+    gl->UseProgram(flags->program);
+    gl->Uniform1ui(gl->GetUniformLocation(flags->program, "tileSize"), tileSize);
+}
+
+qcStatus qcFragmentFlags_Create(const struct qcGlFunctions* gl, uint32_t tileSize, qcFragmentFlags* flags)
+{
+    bool dilated = tileSize != 0;
+    QC_TRY(qcGlFunctions_GetProgram(gl, dilated ? "dilated visibility flags" : "visibility flags",
+                                    dilated ? s_dilatedVertexShader : s_vertexShader,
+                                    dilated ? s_dilatedFragmentShader : s_fragmentShader, &flags->program));
     flags->partUniform = gl->GetUniformLocation(flags->program, "part");
+    flags->tileUniform = gl->GetUniformLocation(flags->program, "tile");
+    flags->vertexCount = (GLsizei)qcTileSchedule_GetIndexCount(dilated ? qc_dilatedCorners : 3);
     gl->GenBuffers(1, &flags->cornerBuffer);
     gl->GenBuffers(1, &flags->polygonBuffer);
     gl->GenBuffers(1, &flags->flagBuffer);
-    Upload(gl, flags->cornerBuffer, 0, corners, sizeof(float));
+    if (dilated)
+        CreateDepths(gl, tileSize, flags);
     return qc_statusOk;
+}
+
+void qcFragmentFlags_SetCorners(const struct qcGlFunctions* gl, const qcFragmentFlags* flags, const qcArray* corners,
+                                size_t size)
+{
+    Upload(gl, flags->cornerBuffer, 0, corners, size);
 }
 
 void qcFragmentFlags_Delete(const struct qcGlFunctions* gl, const qcFragmentFlags* flags)
@@ -74,6 +141,7 @@ void qcFragmentFlags_Delete(const struct qcGlFunctions* gl, const qcFragmentFlag
     gl->DeleteBuffers(1, &flags->cornerBuffer);
     gl->DeleteBuffers(1, &flags->polygonBuffer);
     gl->DeleteBuffers(1, &flags->flagBuffer);
+    gl->DeleteBuffers(1, &flags->depthBuffer);
 }
 
 void qcFragmentFlags_Free(qcFragmentFlags* flags)
@@ -81,26 +149,46 @@ void qcFragmentFlags_Free(qcFragmentFlags* flags)
     qcArray_Free(&flags->flags);
 }
 
-qcStatus qcFragmentFlags_BeginPass(const struct qcGlFunctions* gl, qcFragmentFlags* flags, const qcArray* polygons,
-                                   uint32_t stepCount, int axis, float scale)
+qcStatus qcFragmentFlags_BeginPass(const struct qcGlFunctions* gl, qcFragmentFlags* flags, const qcFlagPass* pass)
 {
-    QC_TRY(qcArray_Resize(&flags->flags, stepCount, sizeof(uint32_t), "visibility flags"));
-    if (stepCount > 0)
-        memset(flags->flags.data, 0, stepCount * sizeof(uint32_t));
+    QC_TRY(qcArray_Resize(&flags->flags, pass->stepCount, sizeof(uint32_t), "visibility flags"));
+    if (pass->stepCount > 0)
+        memset(flags->flags.data, 0, pass->stepCount * sizeof(uint32_t));
     gl->UseProgram(flags->program);
-    gl->Uniform1i(gl->GetUniformLocation(flags->program, "axis"), axis);
-    gl->Uniform1f(gl->GetUniformLocation(flags->program, "scale"), scale);
+    gl->Uniform1f(gl->GetUniformLocation(flags->program, "scale"), pass->scale);
+    if (flags->depthBuffer == 0)
+        gl->Uniform1i(gl->GetUniformLocation(flags->program, "axis"), pass->axis);
+    else
+    {
+        gl->Disable(GL_DEPTH_TEST);
+        gl->Uniform1ui(gl->GetUniformLocation(flags->program, "greater"), pass->greater);
+        gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, flags->depthBuffer);
+    }
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, flags->cornerBuffer);
-    Upload(gl, flags->polygonBuffer, 1, polygons, sizeof(qcSchedulePolygon));
+    Upload(gl, flags->polygonBuffer, 1, pass->polygons, sizeof(qcSchedulePolygon));
     Upload(gl, flags->flagBuffer, 2, &flags->flags, sizeof(uint32_t));
     return qc_statusOk;
+}
+
+void qcFragmentFlags_BeginTile(const struct qcGlFunctions* gl, const qcFragmentFlags* flags)
+{
+    if (flags->depthBuffer == 0)
+        return;
+    static const float farthest = 1.0f;
+    uint32_t bits;
+    memcpy(&bits, &farthest, sizeof bits);
+    gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, flags->depthBuffer);
+    gl->ClearBufferData(GL_SHADER_STORAGE_BUFFER, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &bits);
 }
 
 void qcFragmentFlags_Draw(const struct qcGlFunctions* gl, const qcFragmentFlags* flags, size_t first, size_t count,
                           qcFlagPart part)
 {
+    if (flags->depthBuffer != 0)
+        gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     gl->Uniform1i(flags->partUniform, part);
-    gl->DrawArrays(GL_TRIANGLES, (GLint)(3 * first), (GLsizei)(3 * count));
+    gl->DrawArrays(GL_TRIANGLES, (GLint)first * flags->vertexCount, (GLsizei)count * flags->vertexCount);
 }
 
 void qcFragmentFlags_Read(const struct qcGlFunctions* gl, const qcFragmentFlags* flags, uint8_t* visible)

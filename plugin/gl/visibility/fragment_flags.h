@@ -1,7 +1,8 @@
 // Visibility tests without queries: a fragment that fails its test stores a flag for its step. Depth tests are early,
 // so that no other fragment does; one draw tests a whole batch, and one wait reads a pass. A triangle that is rendered,
 // too, needs no batch of its own: its fragments are counted, then those that pass as it is rendered are taken off.
-// Proof: plugin/docs/proofs/counted_tests.md.
+// Proof: plugin/docs/proofs/counted_tests.md. Fragments of dilated triangles compute their depths, so that no test is
+// early: they keep the depths in a buffer and compare them themselves.
 #ifndef QC_GL_VISIBILITY_FRAGMENT_FLAGS_H
 #define QC_GL_VISIBILITY_FRAGMENT_FLAGS_H
 
@@ -13,8 +14,10 @@
 typedef struct qcFragmentFlags
 {
     GLuint program, cornerBuffer, polygonBuffer, flagBuffer;
-    GLint partUniform;
-    qcArray flags; ///< of uint32_t, one a step: 0 if no fragment failed
+    GLuint depthBuffer; ///< of dilated triangles: a tile's depths, the bits of floats
+    GLint partUniform, tileUniform;
+    GLsizei vertexCount; ///< of a polygon
+    qcArray flags;       ///< of uint32_t, one a step: 0 if no fragment failed
 } qcFragmentFlags;
 
 /// What a fragment that passes the current depth test does.
@@ -28,14 +31,27 @@ typedef enum qcFlagPart
 /// Whether the device's vertex and fragment shaders use storage buffers; GL 4.3 has them, but guarantees none there.
 bool qcFragmentFlags_AreSupported(const struct qcGlFunctions* gl);
 
-/// Compiles the program and uploads the triangles' corners, nine floats each.
-qcStatus qcFragmentFlags_Create(const struct qcGlFunctions* gl, const qcArray* corners, qcFragmentFlags* flags);
+/// Compiles the program. `tileSize`: of dilated triangles' depths; 0: triangles are not dilated.
+qcStatus qcFragmentFlags_Create(const struct qcGlFunctions* gl, uint32_t tileSize, qcFragmentFlags* flags);
+/// Uploads nine floats a triangle, or qc_dilatedCorners of qcDilatedCorner.
+void qcFragmentFlags_SetCorners(const struct qcGlFunctions* gl, const qcFragmentFlags* flags, const qcArray* corners,
+                                size_t size);
 void qcFragmentFlags_Delete(const struct qcGlFunctions* gl, const qcFragmentFlags* flags);
 void qcFragmentFlags_Free(qcFragmentFlags* flags);
 
-/// Uploads the polygons (of qcSchedulePolygon) and clears the flags. `scale`: of depths.
-qcStatus qcFragmentFlags_BeginPass(const struct qcGlFunctions* gl, qcFragmentFlags* flags, const qcArray* polygons,
-                                   uint32_t stepCount, int axis, float scale);
+typedef struct qcFlagPass
+{
+    const qcArray* polygons; ///< of qcSchedulePolygon
+    uint32_t stepCount;
+    int axis;
+    float scale;  ///< of depths
+    bool greater; ///< dilated triangles: the test fails at greater depths, not at equal ones
+} qcFlagPass;
+
+/// Uploads the polygons and clears the flags.
+qcStatus qcFragmentFlags_BeginPass(const struct qcGlFunctions* gl, qcFragmentFlags* flags, const qcFlagPass* pass);
+/// Clears the depths of dilated triangles.
+void qcFragmentFlags_BeginTile(const struct qcGlFunctions* gl, const qcFragmentFlags* flags);
 /// Draws polygons with the current depth test.
 void qcFragmentFlags_Draw(const struct qcGlFunctions* gl, const qcFragmentFlags* flags, size_t first, size_t count,
                           qcFlagPart part);
