@@ -15,19 +15,26 @@ static size_t ByteCount(const qcBody* body)
 }
 _Static_assert(sizeof(struct qcFloatPositions) <= 64, "the arrays begin with a cache line");
 
+/// Memory for the positions is first touched where they are read: not in the first step.
+static qcStatus Allocate(qcBody* body)
+{
+    struct qcFloatPositions* floats = qcAllocate(ByteCount(body));
+    if (floats == NULL)
+        return qcFailMemory(ByteCount(body), "positions as floats");
+    float* at = (float*)(void*)((char*)floats + 64);
+    *floats = (struct qcFloatPositions){.at = at, .spare = (float*)(void*)((char*)at + ArrayBytes(body))};
+    // The last vertex is read with one float more.
+    floats->at[3 * (size_t)body->vertexCount] = floats->spare[3 * (size_t)body->vertexCount] = 0.0f;
+    body->floats = floats;
+    return qc_statusOk;
+}
+
 qcStatus qcFloatPositions_Keep(qcBody* body)
 {
     if (!body->deforming || !body->hasFloats)
         return qc_statusOk;
     if (body->floats == NULL)
-        body->floats = qcAllocateZeroed(ByteCount(body));
-    if (body->floats == NULL)
-        return qcFailMemory(ByteCount(body), "positions as floats");
-    if (body->floats->at == NULL)
-    {
-        body->floats->at = (float*)(void*)((char*)body->floats + 64);
-        body->floats->spare = (float*)(void*)((char*)body->floats->at + ArrayBytes(body));
-    }
+        QC_TRY(Allocate(body));
     body->floats->kept = true;
     return qc_statusOk;
 }
