@@ -21,6 +21,9 @@ enum
     qc_hubValence = 1024,
     // Ranges that are halved in parallel.
     qc_maxRanges = 8,
+    // If fewer than one in so many triangles is outside the region, none is left out. (First step of 27 bunnies: 7.3 ms
+    // with 4, 6.5 ms with 8.)
+    qc_leftOutShare = 8,
     // Triangles, or vertices.
     qc_centroidBlock = 4096,
     qc_minBlocks = 4,
@@ -46,7 +49,7 @@ typedef struct Order
     qcArray scratch;      ///< of qcCentroid, as many, or of qcFourFloats by vertex
     qcArray valences;     ///< uint32_t, by vertex: its triangles
     uint32_t maxValence;
-    uint32_t threads;
+    const qcOrderOptions* options;
 } Order;
 
 static void Free(Order* o)
@@ -128,6 +131,25 @@ static void FindCentroids(void* context, size_t block, uint32_t worker)
         qcFourFloats_Store(Clamp(thirds[c[0]] + thirds[c[1]] + thirds[c[2]]), &items[t]);
         items[t].triangle = t;
     }
+}
+
+/// Lists the triangles that meet the region, at least one. Returns their number.
+static uint32_t FindInRegion(const Order* o)
+{
+    const qcFourFloats* thirds = o->scratch.data;
+    qcCentroid* items = o->items.data;
+    uint32_t count = 0;
+    for (uint32_t t = 0; t < o->triangleCount; t++)
+    {
+        const uint32_t* c = Corners(o, t);
+        qcFourFloats p = thirds[c[0]], q = thirds[c[1]], r = thirds[c[2]];
+        qcFourFloats_Store(Clamp(p + q + r), &items[count]);
+        items[count].triangle = t;
+        count +=
+            qcRegionCells_Meet(o->options->region, qcFourFloats_Min(qcFourFloats_Min(p, q), r) * (3.0f * qc_cellsAlong),
+                               qcFourFloats_Max(qcFourFloats_Max(p, q), r) * (3.0f * qc_cellsAlong));
+    }
+    return count != 0 ? count : 1;
 }
 
 //  ---- halving -------------------------------------------------------------------------------------
@@ -376,9 +398,9 @@ static void HalveAll(const Order* o, qcCentroid* items, uint32_t count, uint32_t
 {
     Range ranges[qc_maxRanges] = {{items, o->scratch.data, triangles, count}};
     Cuts cuts = {ranges, 1};
-    for (; o->threads > 1 && cuts.count < qc_maxRanges; cuts.count *= 2)
-        qcParallel_For(o->threads, cuts.count, 2, CutRange, &cuts);
-    qcParallel_For(o->threads, cuts.count, 2, HalveRange, ranges);
+    for (; o->options->threads > 1 && cuts.count < qc_maxRanges; cuts.count *= 2)
+        qcParallel_For(o->options->threads, cuts.count, 2, CutRange, &cuts);
+    qcParallel_For(o->options->threads, cuts.count, 2, HalveRange, ranges);
 }
 
 //  ---- hubs ----------------------------------------------------------------------------------------
@@ -447,13 +469,23 @@ static size_t BlockCount(uint32_t count)
     return ((size_t)count + qc_centroidBlock - 1) / qc_centroidBlock;
 }
 
-static qcStatus Make(Order* o, qcArray* slots)
+/// The nodes of the triangles in the region, unless nearly all are there: then none are added.
+static qcStatus AddRegion(Order* o, qcArray* slots)
 {
-    QC_TRY(Reserve(o));
+    memcpy(o->low, o->options->region->lower, sizeof o->low);
+    o->scale = o->options->region->scale / (3.0 * qc_cellsAlong);
+    qcParallel_For(o->options->threads, BlockCount(o->vertexCount), qc_minBlocks, ScaleVertices, o);
+    uint32_t count = FindInRegion(o);
+    return count < o->triangleCount - o->triangleCount / qc_leftOutShare ? AddNodes(o, o->items.data, count, slots)
+                                                                         : qc_statusOk;
+}
+
+static qcStatus AddAll(Order* o, qcArray* slots)
+{
     CountValences(o);
     FindScale(o);
-    qcParallel_For(o->threads, BlockCount(o->vertexCount), qc_minBlocks, ScaleVertices, o);
-    qcParallel_For(o->threads, BlockCount(o->triangleCount), qc_minBlocks, FindCentroids, o);
+    qcParallel_For(o->options->threads, BlockCount(o->vertexCount), qc_minBlocks, ScaleVertices, o);
+    qcParallel_For(o->options->threads, BlockCount(o->triangleCount), qc_minBlocks, FindCentroids, o);
     bool hasHub = HasHub(o);
     if (hasHub)
     {
@@ -474,22 +506,34 @@ static qcStatus Make(Order* o, qcArray* slots)
     return qc_statusOk;
 }
 
+static qcStatus Make(Order* o, qcArray* slots, qcOrderSummary* summary)
+{
+    QC_TRY(Reserve(o));
+    if (o->options->region != NULL)
+        QC_TRY(AddRegion(o, slots));
+    summary->isLimited = slots->count != 0;
+    if (summary->isLimited)
+        return qc_statusOk;
+    QC_TRY(AddAll(o, slots));
+    summary->hasHub = HasHub(o);
+    return qc_statusOk;
+}
+
 qcStatus qcClusterOrder_Make(qcArray* slots, const uint32_t* indices, uint32_t triangleCount, const double* positions,
-                             uint32_t vertexCount, uint32_t threads, bool* hasHub)
+                             uint32_t vertexCount, const qcOrderOptions* options, qcOrderSummary* summary)
 {
     if (triangleCount > UINT32_MAX / 3)
         return qcFailMemory(SIZE_MAX, "order of more than 2^32 / 3 triangles");
     slots->count = 0;
-    *hasHub = false;
+    *summary = (qcOrderSummary){.hasHub = false};
     if (triangleCount == 0)
         return qc_statusOk;
     Order order = {.indices = indices,
                    .positions = positions,
                    .triangleCount = triangleCount,
                    .vertexCount = vertexCount,
-                   .threads = threads};
-    qcStatus status = Make(&order, slots);
-    *hasHub = HasHub(&order);
+                   .options = options};
+    qcStatus status = Make(&order, slots, summary);
     Free(&order);
     return status;
 }

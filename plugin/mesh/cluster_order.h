@@ -3,13 +3,27 @@
 #define QC_MESH_CLUSTER_ORDER_H
 
 #include "base/memory.h"
+#include "mesh/region_cells.h"
 
 #include <stdbool.h>
 
-/// Fills `slots` (of uint32_t): qc_nodeSize a node, each triangle once, QC_NO_TRIANGLE elsewhere. `hasHub`: see
-/// qcClusters. `indices`: three a triangle; `positions`: three doubles a vertex. O(triangles log triangles). On failure
-/// the array is left to the caller, its contents undefined.
+typedef struct qcOrderOptions
+{
+    uint32_t threads;
+    const qcRegionCells* region; ///< around the mesh. Null: all triangles are put in order
+} qcOrderOptions;
+
+typedef struct qcOrderSummary
+{
+    bool hasHub; ///< see qcClusters
+    /// Triangles outside the region are left out, a quarter of them at least. Hubs are not looked for.
+    bool isLimited;
+} qcOrderSummary;
+
+/// Fills `slots` (of uint32_t): qc_nodeSize a node, each triangle at most once, QC_NO_TRIANGLE elsewhere. `indices`:
+/// three a triangle; `positions`: three doubles a vertex. O(triangles log triangles). On failure the array is left to
+/// the caller, its contents undefined.
 qcStatus qcClusterOrder_Make(qcArray* slots, const uint32_t* indices, uint32_t triangleCount, const double* positions,
-                             uint32_t vertexCount, uint32_t threads, bool* hasHub);
+                             uint32_t vertexCount, const qcOrderOptions* options, qcOrderSummary* summary);
 
 #endif

@@ -1,7 +1,6 @@
 // Numbers of vertices, links and neighbours of clusters.
 #include "mesh/clusters.h"
 
-#include "mesh/cluster_order.h"
 #include "mesh/linking.h"
 #include "base/parallel_for.h"
 #include "base/status.h"
@@ -210,14 +209,17 @@ qcStatus qcClusters_ListVertices(const qcClusters* c, const qcCorners* corners, 
 //  ---- arrangement and links -----------------------------------------------------------------------
 
 qcStatus qcClusters_Arrange(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount,
-                            const double* positions, uint32_t vertexCount, uint32_t threads)
+                            const double* positions, uint32_t vertexCount, const qcOrderOptions* options)
 {
+    qcOrderSummary summary = {.hasHub = false};
     *clusters = (qcClusters){0};
-    qcStatus status = qcClusterOrder_Make(&clusters->triangles, indices, triangleCount, positions, vertexCount, threads,
-                                          &clusters->hasHub);
+    qcStatus status =
+        qcClusterOrder_Make(&clusters->triangles, indices, triangleCount, positions, vertexCount, options, &summary);
     if (status != qc_statusOk)
         qcClusters_Free(clusters);
     clusters->nodeCount = (uint32_t)(clusters->triangles.count / qc_nodeSize);
+    clusters->hasHub = summary.hasHub;
+    clusters->isLimited = summary.isLimited;
     return status;
 }
 
@@ -254,7 +256,8 @@ qcStatus qcClusters_Link(qcClusters* clusters, const uint32_t* indices, uint32_t
 qcStatus qcClusters_Build(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount,
                           const double* positions, uint32_t vertexCount, uint32_t threads)
 {
-    QC_TRY(qcClusters_Arrange(clusters, indices, triangleCount, positions, vertexCount, threads));
+    const qcOrderOptions options = {.threads = threads};
+    QC_TRY(qcClusters_Arrange(clusters, indices, triangleCount, positions, vertexCount, &options));
     qcStatus status = qcClusters_Link(clusters, indices, vertexCount);
     if (status != qc_statusOk)
         qcClusters_Free(clusters);

@@ -5,6 +5,7 @@
 #define QC_MESH_CLUSTERS_H
 
 #include "base/memory.h"
+#include "mesh/cluster_order.h"
 #include "mesh/pair_mask.h"
 
 #include <stdbool.h>
@@ -39,6 +40,7 @@ typedef struct qcClusters
 {
     uint32_t nodeCount;
     bool hasHub;       ///< a vertex has so many triangles that pair masks are to be shared: qcClusters_Link is needed
+    bool isLimited;    ///< triangles outside qcOrderOptions::region are left out; there may be no links
     qcArray triangles; ///< uint32_t by slot, qc_nodeSize a node: each triangle of the body once, or QC_NO_TRIANGLE
     qcArray firstLink; ///< uint32_t, nodeCount + 1: where a node's links begin
     qcArray links;     ///< of qcLeafLink: each node's ordered by `other`, itself first
@@ -51,7 +53,7 @@ typedef struct qcClusters
 /// Puts the triangles into nodes; no links yet. `indices`: three a triangle; `positions`: three doubles a vertex.
 /// O(triangles log triangles). On failure nothing is left.
 qcStatus qcClusters_Arrange(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount,
-                            const double* positions, uint32_t vertexCount, uint32_t threads);
+                            const double* positions, uint32_t vertexCount, const qcOrderOptions* options);
 /// Adds links, pair masks and neighbourCount to clusters without links. O(pairs of neighbours). On failure there are
 /// none.
 qcStatus qcClusters_Link(qcClusters* clusters, const uint32_t* indices, uint32_t vertexCount);

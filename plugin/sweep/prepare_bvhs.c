@@ -11,7 +11,9 @@ enum
     qc_smallBody = 4096,
     // The topology of a body may not live for many steps. Its adjacency, which costs several searches, is built from
     // this search on.
-    qc_searchesBefore = 2
+    qc_searchesBefore = 2,
+    // Triangles of a body whose order takes several times as long as finding those in a region.
+    qc_minLimited = 1024
 };
 
 void qcBvhCandidates_Delete(qcBvhCandidates* sweep, uint32_t slot)
@@ -74,20 +76,99 @@ static void AddResult(const qcBvhCandidates* sweep, uint32_t worker, qcStatus st
     (void)qcWorkerResult_Add(&QC_AT(qcWorkerResult, sweep->results, worker), status);
 }
 
+//  ---- regions -------------------------------------------------------------------------------------
+
+/// Whether only triangles that other bodies may come near can take part in the step, so that others can be left out.
+static bool MayBeLimited(const qcBvhCandidatesJob* job, const qcBody* body)
+{
+    return body->deforming && !qcBody_HasSelfCollision(body) && !job->triangles->motion;
+}
+
+/// The region of a new body in which others may come near. False: there is none, or it would take too long to find.
+static bool FindRegion(const qcBvhCandidatesJob* job, uint32_t body, qcBvhRegion* region)
+{
+    const qcBody* b = qcStepTriangles_Body(job->triangles, body);
+    const qcArray* pairs = &job->pairs->pairs;
+    if (!MayBeLimited(job, b) || b->triangleCount < qc_minLimited || pairs->count > b->triangleCount ||
+        !qcBvhRegion_Begin(region, b))
+        return false;
+    for (size_t i = 0; i < pairs->count; i++)
+    {
+        qcBodyPair pair = QC_AT(qcBodyPair, *pairs, i);
+        if (pair.a == body || pair.b == body)
+            qcBvhRegion_Include(region, qcStepTriangles_Body(job->triangles, pair.a == body ? pair.b : pair.a),
+                                job->queryDistance);
+    }
+    return true;
+}
+
+static void FollowOne(void* context, size_t i, uint32_t worker)
+{
+    (void)worker;
+    const Tasks* tasks = context;
+    uint32_t body = TaskAt(tasks->sweep, i)->body;
+    const qcStepTriangles* triangles = tasks->job->triangles;
+    qcTriangleBvh* bvh = &qcBvhCandidates_At(tasks->sweep, qcStepTriangles_Slot(triangles, body))->bvh;
+    const qcBody* b = qcStepTriangles_Body(triangles, body);
+    bvh->leavesRegion = !MayBeLimited(tasks->job, b);
+    if (!bvh->leavesRegion)
+        qcBvhRegion_Follow(bvh->region, b);
+}
+
+/// Finds out which limited BVHs lack triangles that may take part in the step.
+static qcStatus FollowRegions(const qcBvhCandidatesJob* job, const uint8_t* flags, qcBvhCandidates* sweep)
+{
+    const qcStepTriangles* triangles = job->triangles;
+    sweep->tasks.count = 0;
+    for (uint32_t body = 0; body < triangles->bodyCount; body++)
+        if (flags[body] && qcBvhCandidates_At(sweep, qcStepTriangles_Slot(triangles, body))->bvh.region != NULL)
+            QC_TRY(AddTask(sweep, body));
+    if (sweep->tasks.count == 0)
+        return qc_statusOk;
+    Tasks tasks = {.sweep = sweep, .job = job};
+    qcParallel_For(job->threads, sweep->tasks.count, 2, FollowOne, &tasks);
+    for (size_t i = 0; i < job->pairs->pairs.count; i++)
+    {
+        qcBodyPair pair = QC_AT(qcBodyPair, job->pairs->pairs, i);
+        const uint32_t bodies[2] = {pair.a, pair.b};
+        for (int side = 0; side < 2; side++)
+        {
+            qcBodyBvh* bvh = qcBvhCandidates_At(sweep, qcStepTriangles_Slot(triangles, bodies[side]));
+            if (flags[bodies[side]] && bvh->bvh.region != NULL && !bvh->bvh.leavesRegion)
+                bvh->bvh.leavesRegion = !qcBvhRegion_Covers(
+                    bvh->bvh.region, qcStepTriangles_Body(triangles, bodies[1 - side]), job->queryDistance);
+        }
+    }
+    return qc_statusOk;
+}
+
+//  ---- builds --------------------------------------------------------------------------------------
+
+static bool NeedsOrder(const qcTriangleBvh* bvh)
+{
+    return bvh->leavesRegion || qcTriangleBvh_HasGrown(bvh);
+}
+
+/// A limited BVH that was too small is followed by one of all triangles: the body moves too far for a region.
+static qcStatus BuildNew(const Tasks* tasks, uint32_t number, bool isFirst, qcBodyBvh* bvh)
+{
+    qcBvhRegion region;
+    const qcBody* body = qcStepTriangles_Body(tasks->job->triangles, number);
+    qcFloatPositions_Convert(body);
+    return qcBodyBvh_Build(bvh, body, isFirst && FindRegion(tasks->job, number, &region) ? &region : NULL,
+                           tasks->threads);
+}
+
 static void BuildOne(void* context, size_t i, uint32_t worker)
 {
     const Tasks* tasks = context;
     const qcRefitTask* task = TaskAt(tasks->sweep, i);
-    const qcStepTriangles* triangles = tasks->job->triangles;
-    const qcBody* body = qcStepTriangles_Body(triangles, task->body);
-    qcBodyBvh* bvh = qcBvhCandidates_At(tasks->sweep, qcStepTriangles_Slot(triangles, task->body));
-    if (qcTriangleBvh_HasGrown(&bvh->bvh))
+    qcBodyBvh* bvh = qcBvhCandidates_At(tasks->sweep, qcStepTriangles_Slot(tasks->job->triangles, task->body));
+    bool isFirst = bvh->bvh.generation == 0;
+    if (NeedsOrder(&bvh->bvh))
         qcBodyBvh_Free(bvh);
     if (bvh->bvh.generation == 0)
-    {
-        qcFloatPositions_Convert(body);
-        AddResult(tasks->sweep, worker, qcBodyBvh_Build(bvh, body, tasks->threads));
-    }
+        AddResult(tasks->sweep, worker, BuildNew(tasks, task->body, isFirst, bvh));
     else if (!qcBodyBvh_FindsSelfPairs(bvh))
         AddResult(tasks->sweep, worker, qcBodyBvh_PrepareSelf(bvh, tasks->threads));
     else
@@ -97,7 +178,7 @@ static void BuildOne(void* context, size_t i, uint32_t worker)
 /// Whether the body's BVH has to be built, built anew, made ready for self pairs, or given more adjacency.
 static bool NeedsBuild(const qcBodyBvh* bvh, const qcBody* body)
 {
-    if (bvh->bvh.generation == 0 || qcTriangleBvh_HasGrown(&bvh->bvh))
+    if (bvh->bvh.generation == 0 || NeedsOrder(&bvh->bvh))
         return true;
     return qcBody_HasSelfCollision(body) && !bvh->hasAdjacency &&
            (!qcBodyBvh_FindsSelfPairs(bvh) || bvh->searches >= qc_searchesBefore);
@@ -198,6 +279,12 @@ static bool IsUpToDate(const qcBvhCandidatesJob* job, uint32_t slot, const qcBod
                                        : qcTriangleBvh_IsUpToDate)(bvh, body, FitMargin(job, body, maxMargin));
 }
 
+static uint32_t CountFitted(const qcBvhCandidatesJob* job, uint32_t body, const qcBvhCandidates* sweep)
+{
+    return qcTriangleBvh_TriangleCount(&qcBvhCandidates_At(sweep, qcStepTriangles_Slot(job->triangles, body))->bvh,
+                                       qcStepTriangles_Body(job->triangles, body));
+}
+
 /// Partial refits where they suffice, tasks for the other BVHs that aren't up to date.
 static qcStatus QueueRefits(const qcBvhCandidatesJob* job, const uint8_t* flags, double maxMargin,
                             qcBvhCandidates* sweep)
@@ -219,7 +306,7 @@ static qcStatus QueueRefits(const qcBvhCandidatesJob* job, const uint8_t* flags,
             (!triangles->motion || IsUpToDate(job, qcStepTriangles_Slot(triangles, body), b, maxMargin, sweep)))
             continue;
         QC_TRY(AddTask(sweep, body));
-        sweep->refittedTriangles += QC_AT(uint8_t, sweep->partlyRefitted, body) ? 0 : b->triangleCount;
+        sweep->refittedTriangles += QC_AT(uint8_t, sweep->partlyRefitted, body) ? 0 : CountFitted(job, body, sweep);
     }
     return qc_statusOk;
 }
@@ -227,7 +314,6 @@ static qcStatus QueueRefits(const qcBvhCandidatesJob* job, const uint8_t* flags,
 /// Large bodies one after another by all threads, then the others side by side.
 static qcStatus RefitBvhs(const qcBvhCandidatesJob* job, qcBvhCandidates* sweep, uint8_t* flags)
 {
-    const qcStepTriangles* triangles = job->triangles;
     uint32_t threads = job->threads;
     QC_TRY(qcArray_GrowZeroed(&sweep->refitScratch, threads, sizeof(qcBvhScratch), "refits"));
     QC_TRY(qcWorkerResults_Begin(&sweep->results, threads, sizeof(qcWorkerResult), "refits"));
@@ -239,7 +325,7 @@ static qcStatus RefitBvhs(const qcBvhCandidatesJob* job, qcBvhCandidates* sweep,
     size_t small = 0;
     for (size_t i = 0; i < sweep->tasks.count; i++)
     {
-        uint32_t count = qcStepTriangles_Body(triangles, TaskAt(sweep, i)->body)->triangleCount;
+        uint32_t count = CountFitted(job, TaskAt(sweep, i)->body, sweep);
         if (count >= large)
         {
             RefitOne(&tasks, i, 0);
@@ -262,6 +348,7 @@ qcStatus qcBvhCandidates_Prepare(const qcBvhCandidatesJob* job, qcBvhCandidates*
     if (sweep->kernels == NULL)
         sweep->kernels = qcTriangleKernels_Get();
     QC_TRY(SyncSlots(job->triangles, flags, sweep));
+    QC_TRY(FollowRegions(job, flags, sweep));
     QC_TRY(BuildBvhs(job, flags, sweep));
     return RefitBvhs(job, sweep, flags);
 }

@@ -16,10 +16,10 @@
 static qcArray Order(const qcSoup* soup, uint32_t threads)
 {
     qcArray slots = {0};
-    bool hasHub;
+    qcOrderSummary summary;
     CHECK_OK(qcClusterOrder_Make(&slots, soup->indices, soup->triangleCount, soup->positions, soup->vertexCount,
-                                 threads, &hasHub));
-    ck_assert(!hasHub);
+                                 &(qcOrderOptions){.threads = threads}, &summary));
+    ck_assert(!summary.hasHub && !summary.isLimited);
     ck_assert_uint_eq(slots.count, ((size_t)soup->triangleCount + qc_nodeSize - 1) / qc_nodeSize * qc_nodeSize);
     return slots;
 }

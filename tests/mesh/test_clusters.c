@@ -421,7 +421,7 @@ START_TEST(any_number_of_threads_numbers_vertices_in_the_order_of_first_use)
     {
         qcClusters clusters;
         CHECK_OK(qcClusters_Arrange(&clusters, soups[i].indices, soups[i].triangleCount, soups[i].positions,
-                                    soups[i].vertexCount, 1));
+                                    soups[i].vertexCount, &(qcOrderOptions){.threads = 1}));
         for (uint32_t threads = 1; threads <= 16; threads += threads < 4 ? 1 : 6)
         {
             qcArray corners = {0}, vertexOf = {0};

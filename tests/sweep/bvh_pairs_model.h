@@ -27,7 +27,7 @@ static inline qcSide qcSide_Make(qcSoup soup)
 {
     qcSide side = {.soup = soup};
     const qcBody* body = qcBodyAt(&side.bodies, qcAddToBodies(&side.bodies, &soup));
-    CHECK_OK(qcBodyBvh_Build(&side.bvh, body, 1));
+    CHECK_OK(qcBodyBvh_Build(&side.bvh, body, NULL, 1));
     CHECK_OK(qcBodyBvh_BuildAdjacency(&side.bvh, 1));
     return side;
 }

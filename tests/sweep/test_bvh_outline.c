@@ -23,8 +23,8 @@ static Fits MakeFits(qcSoup* soup, const qcTriangleKernels* kernels, uint32_t th
 {
     Fits f = {.kernels = kernels, .threads = threads};
     f.slot = qcAddToBodies(&f.bodies, soup);
-    CHECK_OK(qcTriangleBvh_Build(&f.outline, qcBodyAt(&f.bodies, f.slot), 1));
-    CHECK_OK(qcTriangleBvh_Build(&f.whole, qcBodyAt(&f.bodies, f.slot), 1));
+    CHECK_OK(qcTriangleBvh_Build(&f.outline, qcBodyAt(&f.bodies, f.slot), &(qcOrderOptions){.threads = 1}));
+    CHECK_OK(qcTriangleBvh_Build(&f.whole, qcBodyAt(&f.bodies, f.slot), &(qcOrderOptions){.threads = 1}));
     return f;
 }
 

@@ -298,7 +298,7 @@ static Found FindKeys(const qcTriangleKernels* kernels, const qcSoup* soup, doub
     qcBodyBvh bvh;
     qcBvhScratch scratch = {0};
     bool fits;
-    CHECK_OK(qcBodyBvh_Build(&bvh, found.body, 1));
+    CHECK_OK(qcBodyBvh_Build(&bvh, found.body, NULL, 1));
     CHECK_OK(qcBodyBvh_BuildAdjacency(&bvh, 1));
     CHECK_OK(qcTriangleBvh_Fit(&bvh.bvh, found.body, margin, kernels, threads, &scratch, &fits));
     ck_assert(fits);

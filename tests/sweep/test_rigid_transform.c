@@ -481,7 +481,7 @@ START_TEST(a_rigid_body_without_self_collision_is_fitted_once)
     AddRigid(&bodies, &soup);
     qcBody* body = &QC_AT(qcBody, bodies.slots, 0);
     qcTriangleBvh bvh;
-    CHECK_OK(qcTriangleBvh_Build(&bvh, body, 1));
+    CHECK_OK(qcTriangleBvh_Build(&bvh, body, &(qcOrderOptions){.threads = 1}));
     qcTransform t = qcIdentityTransform(), flat = t;
     flat.linear[8] = 0.0;
     body->selfCollision = false;

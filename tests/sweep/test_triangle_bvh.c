@@ -193,7 +193,7 @@ static void CheckFits(const qcBody* body, double margin)
         qcTriangleBvh bvh;
         qcBvhScratch scratch = {0};
         bool fits;
-        CHECK_OK(qcTriangleBvh_Build(&bvh, body, 1));
+        CHECK_OK(qcTriangleBvh_Build(&bvh, body, &(qcOrderOptions){.threads = 1}));
         CHECK_OK(qcTriangleBvh_Fit(&bvh, body, margin, k, threads, &scratch, &fits));
         ck_assert(fits);
         qcBvhScratch_Free(&scratch);
@@ -316,7 +316,7 @@ START_TEST(large_bodies_are_fitted_on_any_number_of_threads)
         qcTriangleBvh bvh;
         qcBvhScratch scratch = {0};
         bool fits;
-        CHECK_OK(qcTriangleBvh_Build(&bvh, body, 1));
+        CHECK_OK(qcTriangleBvh_Build(&bvh, body, &(qcOrderOptions){.threads = 1}));
         CHECK_OK(qcTriangleBvh_Fit(&bvh, body, 0.001, k, threads, &scratch, &fits));
         qcBvhScratch_Free(&scratch);
         CheckCorners(&bvh, body);
@@ -345,7 +345,7 @@ START_TEST(vertices_without_a_triangle_are_left_out)
     qcBodies bodies = {0};
     const qcBody* body = qcBodyAt(&bodies, qcAddToBodies(&bodies, &soup));
     qcTriangleBvh bvh;
-    CHECK_OK(qcTriangleBvh_Build(&bvh, body, 1));
+    CHECK_OK(qcTriangleBvh_Build(&bvh, body, &(qcOrderOptions){.threads = 1}));
     ck_assert_uint_eq(bvh.vertexCount, 240);
     qcTriangleBvh_Free(&bvh);
     CheckFits(body, 0.0);
@@ -362,7 +362,7 @@ START_TEST(a_fit_follows_the_body_and_the_margin)
     qcTriangleBvh bvh;
     qcBvhScratch scratch = {0};
     bool fits;
-    CHECK_OK(qcTriangleBvh_Build(&bvh, qcBodyAt(&bodies, slot), 1));
+    CHECK_OK(qcTriangleBvh_Build(&bvh, qcBodyAt(&bodies, slot), &(qcOrderOptions){.threads = 1}));
     for (int step = 0; step < 6; step++)
     {
         double margin = step == 3 ? 0.05 : step == 4 ? 0.01 : 0.0;
@@ -421,14 +421,14 @@ START_TEST(clusters_grow_if_layers_part_and_not_if_a_body_turns_or_crumples)
     qcBodies bodies = {0};
     uint32_t slot = qcAddToBodies(&bodies, &tight);
     qcTriangleBvh bvh;
-    CHECK_OK(qcTriangleBvh_Build(&bvh, qcBodyAt(&bodies, slot), 1));
+    CHECK_OK(qcTriangleBvh_Build(&bvh, qcBodyAt(&bodies, slot), &(qcOrderOptions){.threads = 1}));
     ck_assert(!HasGrown(&bvh, &bodies, slot, &tight));
     ck_assert(!HasGrown(&bvh, &bodies, slot, &turned));
     ck_assert(!HasGrown(&bvh, &bodies, slot, &crumpled));
     ck_assert(HasGrown(&bvh, &bodies, slot, &parted));
     // Built anew, it has not grown.
     qcTriangleBvh_Free(&bvh);
-    CHECK_OK(qcTriangleBvh_Build(&bvh, qcBodyAt(&bodies, slot), 1));
+    CHECK_OK(qcTriangleBvh_Build(&bvh, qcBodyAt(&bodies, slot), &(qcOrderOptions){.threads = 1}));
     ck_assert(!HasGrown(&bvh, &bodies, slot, &parted));
     qcTriangleBvh_Free(&bvh);
     qcBodies_Free(&bodies);
@@ -446,7 +446,7 @@ START_TEST(a_body_too_large_for_a_lattice_does_not_fit_and_may_fit_later)
     uint32_t slot = qcAddToBodies(&bodies, &soup);
     qcTriangleBvh bvh;
     qcBvhScratch scratch = {0};
-    CHECK_OK(qcTriangleBvh_Build(&bvh, qcBodyAt(&bodies, slot), 1));
+    CHECK_OK(qcTriangleBvh_Build(&bvh, qcBodyAt(&bodies, slot), &(qcOrderOptions){.threads = 1}));
     for (int i = 0; i < 4; i++)
     {
         qcSoup next = qcSoup_MakeRandom(4, 100, 0.1);
@@ -473,7 +473,7 @@ END_TEST
 static qcStatus BuildAndFit(const qcBody* body, qcBodyBvh* bvh, qcBvhScratch* scratch)
 {
     bool fits;
-    qcStatus status = qcBodyBvh_Build(bvh, body, 1);
+    qcStatus status = qcBodyBvh_Build(bvh, body, NULL, 1);
     if (status != qc_statusOk)
         ck_assert_uint_eq(bvh->bvh.generation, 0);
     else

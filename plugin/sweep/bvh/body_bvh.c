@@ -123,10 +123,13 @@ qcStatus qcBodyBvh_PrepareSelf(qcBodyBvh* bodyBvh, uint32_t threads)
     return qcClusters_ListVertices(&bvh->clusters, bvh->corners.data, bvh->vertexCount, threads, &bodyBvh->vertices);
 }
 
-qcStatus qcBodyBvh_Build(qcBodyBvh* bodyBvh, const qcBody* body, uint32_t threads)
+qcStatus qcBodyBvh_Build(qcBodyBvh* bodyBvh, const qcBody* body, const qcBvhRegion* region, uint32_t threads)
 {
     *bodyBvh = (qcBodyBvh){.hasAdjacency = false};
-    qcStatus status = qcTriangleBvh_Build(&bodyBvh->bvh, body, threads);
+    const qcOrderOptions options = {.threads = threads, .region = region != NULL ? &region->cells : NULL};
+    qcStatus status = qcTriangleBvh_Build(&bodyBvh->bvh, body, &options);
+    if (status == qc_statusOk && region != NULL)
+        status = qcTriangleBvh_KeepRegion(&bodyBvh->bvh, body, region);
     if (status == qc_statusOk && qcBody_HasSelfCollision(body))
         status = qcBodyBvh_PrepareSelf(bodyBvh, threads);
     if (status != qc_statusOk)

@@ -41,9 +41,9 @@ typedef struct qcBodyBvh
     qcVerletReference verlet;
 } qcBodyBvh;
 
-/// For a body with triangles; ready for self pairs if the body has self-collision. O(triangles log triangles). On
-/// failure nothing is left.
-qcStatus qcBodyBvh_Build(qcBodyBvh* bodyBvh, const qcBody* body, uint32_t threads);
+/// For a body with triangles; ready for self pairs if the body has self-collision. `region`: where other bodies may
+/// come; null: anywhere, as for a body with self-collision. O(triangles log triangles). On failure nothing is left.
+qcStatus qcBodyBvh_Build(qcBodyBvh* bodyBvh, const qcBody* body, const qcBvhRegion* region, uint32_t threads);
 
 /// Makes the BVH ready for self pairs: lists the vertices of clusters, or builds the adjacency where a vertex has so
 /// many triangles that pair masks have to be shared. O(triangles).

@@ -54,11 +54,11 @@ static qcStatus AllocateFit(const qcTriangleBvh* bvh, qcBvhFit* fit)
     return qc_statusOk;
 }
 
-static qcStatus Build(qcTriangleBvh* bvh, const qcBody* body, uint32_t threads)
+static qcStatus Build(qcTriangleBvh* bvh, const qcBody* body, const qcOrderOptions* options)
 {
     QC_TRY(qcClusters_Arrange(&bvh->clusters, body->indices, body->triangleCount,
-                              body->deforming ? body->world : body->local, body->vertexCount, threads));
-    QC_TRY(qcClusters_NumberVertices(&bvh->clusters, body->indices, body->vertexCount, threads, &bvh->corners,
+                              body->deforming ? body->world : body->local, body->vertexCount, options));
+    QC_TRY(qcClusters_NumberVertices(&bvh->clusters, body->indices, body->vertexCount, options->threads, &bvh->corners,
                                      &bvh->vertexOf));
     bvh->vertexCount = (uint32_t)bvh->vertexOf.count;
     LayLevels(bvh);
@@ -67,13 +67,24 @@ static qcStatus Build(qcTriangleBvh* bvh, const qcBody* body, uint32_t threads)
     return qc_statusOk;
 }
 
-qcStatus qcTriangleBvh_Build(qcTriangleBvh* bvh, const qcBody* body, uint32_t threads)
+qcStatus qcTriangleBvh_Build(qcTriangleBvh* bvh, const qcBody* body, const qcOrderOptions* options)
 {
     *bvh = (qcTriangleBvh){0};
-    qcStatus status = Build(bvh, body, threads);
+    qcStatus status = Build(bvh, body, options);
     if (status != qc_statusOk)
         qcTriangleBvh_Free(bvh);
     return status;
+}
+
+qcStatus qcTriangleBvh_KeepRegion(qcTriangleBvh* bvh, const qcBody* body, const qcBvhRegion* region)
+{
+    if (!bvh->clusters.isLimited)
+        return qc_statusOk;
+    bvh->region = qcAllocate(sizeof *region);
+    if (bvh->region == NULL)
+        return qcFailMemory(sizeof *region, "the region of a BVH");
+    *bvh->region = *region;
+    return qcBvhRegion_SetReference(bvh->region, body);
 }
 
 //  ---- fit -----------------------------------------------------------------------------------------
@@ -540,6 +551,7 @@ void qcTriangleBvh_Free(qcTriangleBvh* bvh)
     qcArray_Free(&bvh->startFit.fittedNodes);
     qcArray_Free(&bvh->startFit.points);
     qcArray_Free(&bvh->startFit.boxes);
+    qcBvhRegion_Delete(bvh->region);
     *bvh = (qcTriangleBvh){0};
 }
 

@@ -4,8 +4,8 @@
 #ifndef QC_SWEEP_BVH_TRIANGLE_BVH_H
 #define QC_SWEEP_BVH_TRIANGLE_BVH_H
 
-#include "scene/bodies.h"
 #include "mesh/clusters.h"
+#include "sweep/bvh/bvh_region.h"
 #include "kernels/triangle_kernels.h"
 
 enum
@@ -54,6 +54,8 @@ typedef struct qcTriangleBvh
     size_t box8Count[qc_maxLevels];
     size_t totalBox8Count;
     qcNodeVertices nodeVertices; ///< listed by the first outline
+    qcBvhRegion* region;         ///< triangles outside are not in the BVH. Null: all triangles are
+    bool leavesRegion;           ///< the BVH has to be built anew, of all triangles
 
     uint64_t fitCount;         ///< fits and partial refits so far
     qcBvhExtent clusterExtent; ///< of the boxes of all clusters, at whole fits in the world
@@ -72,8 +74,11 @@ typedef struct qcBvhScratch
     qcArray marks;     ///< uint8_t by block of vertices: they belong to a node that is fitted
 } qcBvhScratch;
 
-/// For a body with triangles. O(triangles log triangles). On failure nothing is left.
-qcStatus qcTriangleBvh_Build(qcTriangleBvh* bvh, const qcBody* body, uint32_t threads);
+/// For a body with triangles; options.region, if it is not null, is that of a qcBvhRegion. O(triangles log triangles).
+/// On failure nothing is left.
+qcStatus qcTriangleBvh_Build(qcTriangleBvh* bvh, const qcBody* body, const qcOrderOptions* options);
+/// Keeps the region that the BVH was built for, at the same positions, if it is limited to it.
+qcStatus qcTriangleBvh_KeepRegion(qcTriangleBvh* bvh, const qcBody* body, const qcBvhRegion* region);
 
 /// Fits boxes and points to the body's current positions; does nothing if they are up to date. Each box is enlarged by
 /// the margin at its upper end. A rigid body without self-collision is fitted once, in local coordinates, unless its
@@ -123,6 +128,13 @@ static inline bool qcBvhExtent_HasGrown(const qcBvhExtent* extent)
 static inline bool qcTriangleBvh_HasGrown(const qcTriangleBvh* bvh)
 {
     return qcBvhExtent_HasGrown(&bvh->clusterExtent) || qcBvhExtent_HasGrown(&bvh->nodeExtent);
+}
+
+/// Triangles in the BVH, or up to 63 more.
+static inline uint32_t qcTriangleBvh_TriangleCount(const qcTriangleBvh* bvh, const qcBody* body)
+{
+    size_t slots = bvh->clusters.triangles.count;
+    return slots < body->triangleCount ? (uint32_t)slots : body->triangleCount;
 }
 
 /// A distance in the frame of the points, rounded up.
