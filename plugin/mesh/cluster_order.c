@@ -469,15 +469,36 @@ static size_t BlockCount(uint32_t count)
     return ((size_t)count + qc_centroidBlock - 1) / qc_centroidBlock;
 }
 
-/// The nodes of the triangles in the region, unless nearly all are there: then none are added.
-static qcStatus AddRegion(Order* o, qcArray* slots)
+/// Scales the vertices to the box of the region.
+static void ScaleToRegion(Order* o)
 {
     memcpy(o->low, o->options->region->lower, sizeof o->low);
     o->scale = o->options->region->scale / (3.0 * qc_cellsAlong);
     qcParallel_For(o->options->threads, BlockCount(o->vertexCount), qc_minBlocks, ScaleVertices, o);
+}
+
+/// The nodes of the triangles in the region, unless nearly all are there: then none are added.
+static qcStatus AddRegion(Order* o, qcArray* slots)
+{
+    ScaleToRegion(o);
     uint32_t count = FindInRegion(o);
     return count < o->triangleCount - o->triangleCount / qc_leftOutShare ? AddNodes(o, o->items.data, count, slots)
                                                                          : qc_statusOk;
+}
+
+/// The nodes of the triangles whose flags are not set.
+static qcStatus AddRest(Order* o, const uint8_t* present, qcArray* slots)
+{
+    qcCentroid* items = o->items.data;
+    uint32_t count = 0;
+    ScaleToRegion(o);
+    qcParallel_For(o->options->threads, BlockCount(o->triangleCount), qc_minBlocks, FindCentroids, o);
+    for (uint32_t t = 0; t < o->triangleCount; t++)
+    {
+        items[count] = items[t];
+        count += !present[t];
+    }
+    return AddNodes(o, items, count, slots);
 }
 
 static qcStatus AddAll(Order* o, qcArray* slots)
@@ -534,6 +555,31 @@ qcStatus qcClusterOrder_Make(qcArray* slots, const uint32_t* indices, uint32_t t
                    .vertexCount = vertexCount,
                    .options = options};
     qcStatus status = Make(&order, slots, summary);
+    Free(&order);
+    return status;
+}
+
+static qcStatus Complete(Order* o, qcArray* present, qcArray* slots)
+{
+    QC_TRY(Reserve(o));
+    QC_TRY(qcArray_GrowZeroed(present, o->triangleCount, 1, "order of triangles"));
+    for (size_t i = 0; i < slots->count; i++)
+        if (QC_AT(uint32_t, *slots, i) != QC_NO_TRIANGLE)
+            QC_AT(uint8_t, *present, QC_AT(uint32_t, *slots, i)) = 1;
+    return AddRest(o, present->data, slots);
+}
+
+qcStatus qcClusterOrder_Complete(qcArray* slots, const uint32_t* indices, uint32_t triangleCount,
+                                 const double* positions, uint32_t vertexCount, const qcOrderOptions* options)
+{
+    qcArray present = {0};
+    Order order = {.indices = indices,
+                   .positions = positions,
+                   .triangleCount = triangleCount,
+                   .vertexCount = vertexCount,
+                   .options = options};
+    qcStatus status = Complete(&order, &present, slots);
+    qcArray_Free(&present);
     Free(&order);
     return status;
 }

@@ -26,4 +26,8 @@ typedef struct qcOrderSummary
 qcStatus qcClusterOrder_Make(qcArray* slots, const uint32_t* indices, uint32_t triangleCount, const double* positions,
                              uint32_t vertexCount, const qcOrderOptions* options, qcOrderSummary* summary);
 
+/// Appends the nodes of all triangles that the slots lack. `region`: only its place is used.
+qcStatus qcClusterOrder_Complete(qcArray* slots, const uint32_t* indices, uint32_t triangleCount,
+                                 const double* positions, uint32_t vertexCount, const qcOrderOptions* options);
+
 #endif

@@ -223,6 +223,18 @@ qcStatus qcClusters_Arrange(qcClusters* clusters, const uint32_t* indices, uint3
     return status;
 }
 
+qcStatus qcClusters_Complete(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount,
+                             const double* positions, uint32_t vertexCount, const qcOrderOptions* options)
+{
+    qcStatus status =
+        qcClusterOrder_Complete(&clusters->triangles, indices, triangleCount, positions, vertexCount, options);
+    if (status != qc_statusOk)
+        qcClusters_Free(clusters);
+    clusters->nodeCount = (uint32_t)(clusters->triangles.count / qc_nodeSize);
+    clusters->isLimited = false;
+    return status;
+}
+
 void qcClusters_Unlink(qcClusters* clusters)
 {
     qcArray_Free(&clusters->firstLink);

@@ -54,6 +54,10 @@ typedef struct qcClusters
 /// O(triangles log triangles). On failure nothing is left.
 qcStatus qcClusters_Arrange(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount,
                             const double* positions, uint32_t vertexCount, const qcOrderOptions* options);
+/// Adds the triangles that limited clusters lack; slots of the others stay. options.region is around the mesh, and need
+/// not be that of before. On failure nothing is left.
+qcStatus qcClusters_Complete(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount,
+                             const double* positions, uint32_t vertexCount, const qcOrderOptions* options);
 /// Adds links, pair masks and neighbourCount to clusters without links. O(pairs of neighbours). On failure there are
 /// none.
 qcStatus qcClusters_Link(qcClusters* clusters, const uint32_t* indices, uint32_t vertexCount);

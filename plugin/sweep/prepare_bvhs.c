@@ -149,12 +149,16 @@ static bool NeedsOrder(const qcTriangleBvh* bvh)
     return bvh->leavesRegion || qcTriangleBvh_HasGrown(bvh);
 }
 
-/// A limited BVH that was too small is followed by one of all triangles: the body moves too far for a region.
+/// Builds the BVH of a body that has none, or adds what a limited one lacks.
 static qcStatus BuildNew(const Tasks* tasks, uint32_t number, bool isFirst, qcBodyBvh* bvh)
 {
     qcBvhRegion region;
     const qcBody* body = qcStepTriangles_Body(tasks->job->triangles, number);
     qcFloatPositions_Convert(body);
+    const qcOrderOptions options = {tasks->threads, &region.cells};
+    if (bvh->bvh.leavesRegion && !qcBody_HasSelfCollision(body) && qcBvhRegion_Begin(&region, body))
+        return qcTriangleBvh_Complete(&bvh->bvh, body, &options);
+    qcBodyBvh_Free(bvh);
     return qcBodyBvh_Build(bvh, body, isFirst && FindRegion(tasks->job, number, &region) ? &region : NULL,
                            tasks->threads);
 }
@@ -165,9 +169,7 @@ static void BuildOne(void* context, size_t i, uint32_t worker)
     const qcRefitTask* task = TaskAt(tasks->sweep, i);
     qcBodyBvh* bvh = qcBvhCandidates_At(tasks->sweep, qcStepTriangles_Slot(tasks->job->triangles, task->body));
     bool isFirst = bvh->bvh.generation == 0;
-    if (NeedsOrder(&bvh->bvh))
-        qcBodyBvh_Free(bvh);
-    if (bvh->bvh.generation == 0)
+    if (isFirst || NeedsOrder(&bvh->bvh))
         AddResult(tasks->sweep, worker, BuildNew(tasks, task->body, isFirst, bvh));
     else if (!qcBodyBvh_FindsSelfPairs(bvh))
         AddResult(tasks->sweep, worker, qcBodyBvh_PrepareSelf(bvh, tasks->threads));

@@ -176,5 +176,70 @@ START_TEST(clusters_of_small_details_are_as_small_as_those_of_the_detail_alone)
 }
 END_TEST
 
-QC_RUN_TESTS("cluster order", triangles_anywhere_stand_once_in_the_same_order_with_any_number_of_threads,
+/// Counts triangles in slots; none is there twice.
+static uint32_t CountSlots(const qcSoup* soup, const qcArray* slots)
+{
+    uint32_t count = 0;
+    char* seen = calloc(soup->triangleCount, 1);
+    for (size_t i = 0; i < slots->count; i++)
+    {
+        uint32_t triangle = QC_AT(uint32_t, *slots, i);
+        if (triangle == QC_NO_TRIANGLE)
+            continue;
+        ck_assert_uint_lt(triangle, soup->triangleCount);
+        ck_assert(!seen[triangle]);
+        seen[triangle] = 1;
+        count++;
+    }
+    free(seen);
+    return count;
+}
+
+START_TEST(a_limited_order_is_completed_behind_its_slots)
+{
+    qcSoup soup = qcSoup_MakeFoldedCloth(1, 60, 0.02, 0.05);
+    double lower[3], upper[3];
+    for (int k = 0; k < 3; k++)
+        lower[k] = upper[k] = soup.positions[k];
+    for (size_t i = 0; i < 3 * (size_t)soup.vertexCount; i++)
+    {
+        lower[i % 3] = fmin(lower[i % 3], soup.positions[i]);
+        upper[i % 3] = fmax(upper[i % 3], soup.positions[i]);
+    }
+    // A corner of the cloth, nothing, and all of it.
+    const double shares[] = {0.3, -1.0, 1.0};
+    for (uint32_t i = 0; i < 3 * LENGTH(shares); i++)
+    {
+        double share = shares[i % LENGTH(shares)],
+               end[3] = {lower[0] + share * (upper[0] - lower[0]), upper[1], upper[2]};
+        qcRegionCells region;
+        qcOrderSummary summary;
+        qcArray slots = {0}, first = {0};
+        const qcOrderOptions options = {.threads = 1 + i / LENGTH(shares), .region = &region};
+        ck_assert(qcRegionCells_Begin(&region, lower, upper));
+        if (share > 0.0)
+            qcRegionCells_Mark(&region, lower, end, 0.0);
+        CHECK_OK(qcClusterOrder_Make(&slots, soup.indices, soup.triangleCount, soup.positions, soup.vertexCount,
+                                     &options, &summary));
+        ck_assert_int_eq(summary.isLimited, share < 1.0);
+        uint32_t count = CountSlots(&soup, &slots);
+        ck_assert(share != 0.3 || (count > soup.triangleCount / 5 && count < soup.triangleCount / 2));
+        ck_assert_int_eq(count == 1, share < 0.0);
+        if (summary.isLimited)
+        {
+            CHECK_OK(qcArray_Append(&first, &slots, sizeof(uint32_t), "slots"));
+            CHECK_OK(qcClusterOrder_Complete(&slots, soup.indices, soup.triangleCount, soup.positions, soup.vertexCount,
+                                             &options));
+            ck_assert_mem_eq(slots.data, first.data, first.count * sizeof(uint32_t));
+        }
+        ck_assert_uint_eq(CountSlots(&soup, &slots), soup.triangleCount);
+        qcArray_Free(&slots);
+        qcArray_Free(&first);
+    }
+    qcSoup_Free(&soup);
+}
+END_TEST
+
+QC_RUN_TESTS("cluster order", a_limited_order_is_completed_behind_its_slots,
+             triangles_anywhere_stand_once_in_the_same_order_with_any_number_of_threads,
              clusters_of_small_details_are_as_small_as_those_of_the_detail_alone)

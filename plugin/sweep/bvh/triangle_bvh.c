@@ -54,11 +54,10 @@ static qcStatus AllocateFit(const qcTriangleBvh* bvh, qcBvhFit* fit)
     return qc_statusOk;
 }
 
-static qcStatus Build(qcTriangleBvh* bvh, const qcBody* body, const qcOrderOptions* options)
+/// All that follows from the clusters.
+static qcStatus LayOut(qcTriangleBvh* bvh, const qcBody* body, uint32_t threads)
 {
-    QC_TRY(qcClusters_Arrange(&bvh->clusters, body->indices, body->triangleCount,
-                              body->deforming ? body->world : body->local, body->vertexCount, options));
-    QC_TRY(qcClusters_NumberVertices(&bvh->clusters, body->indices, body->vertexCount, options->threads, &bvh->corners,
+    QC_TRY(qcClusters_NumberVertices(&bvh->clusters, body->indices, body->vertexCount, threads, &bvh->corners,
                                      &bvh->vertexOf));
     bvh->vertexCount = (uint32_t)bvh->vertexOf.count;
     LayLevels(bvh);
@@ -67,10 +66,32 @@ static qcStatus Build(qcTriangleBvh* bvh, const qcBody* body, const qcOrderOptio
     return qc_statusOk;
 }
 
+static qcStatus Build(qcTriangleBvh* bvh, const qcBody* body, const qcOrderOptions* options)
+{
+    QC_TRY(qcClusters_Arrange(&bvh->clusters, body->indices, body->triangleCount,
+                              body->deforming ? body->world : body->local, body->vertexCount, options));
+    return LayOut(bvh, body, options->threads);
+}
+
 qcStatus qcTriangleBvh_Build(qcTriangleBvh* bvh, const qcBody* body, const qcOrderOptions* options)
 {
     *bvh = (qcTriangleBvh){0};
     qcStatus status = Build(bvh, body, options);
+    if (status != qc_statusOk)
+        qcTriangleBvh_Free(bvh);
+    return status;
+}
+
+qcStatus qcTriangleBvh_Complete(qcTriangleBvh* bvh, const qcBody* body, const qcOrderOptions* options)
+{
+    qcClusters clusters = bvh->clusters;
+    bvh->clusters = (qcClusters){0};
+    qcTriangleBvh_Free(bvh);
+    bvh->clusters = clusters;
+    qcStatus status = qcClusters_Complete(&bvh->clusters, body->indices, body->triangleCount, body->world,
+                                          body->vertexCount, options);
+    if (status == qc_statusOk)
+        status = LayOut(bvh, body, options->threads);
     if (status != qc_statusOk)
         qcTriangleBvh_Free(bvh);
     return status;

@@ -55,7 +55,7 @@ typedef struct qcTriangleBvh
     size_t totalBox8Count;
     qcNodeVertices nodeVertices; ///< listed by the first outline
     qcBvhRegion* region;         ///< triangles outside are not in the BVH. Null: all triangles are
-    bool leavesRegion;           ///< the BVH has to be built anew, of all triangles
+    bool leavesRegion;           ///< the BVH needs all triangles
 
     uint64_t fitCount;         ///< fits and partial refits so far
     qcBvhExtent clusterExtent; ///< of the boxes of all clusters, at whole fits in the world
@@ -79,6 +79,10 @@ typedef struct qcBvhScratch
 qcStatus qcTriangleBvh_Build(qcTriangleBvh* bvh, const qcBody* body, const qcOrderOptions* options);
 /// Keeps the region that the BVH was built for, at the same positions, if it is limited to it.
 qcStatus qcTriangleBvh_KeepRegion(qcTriangleBvh* bvh, const qcBody* body, const qcBvhRegion* region);
+
+/// Adds the triangles that a limited BVH lacks; it has to be fitted anew. options.region is around the body. On failure
+/// nothing is left.
+qcStatus qcTriangleBvh_Complete(qcTriangleBvh* bvh, const qcBody* body, const qcOrderOptions* options);
 
 /// Fits boxes and points to the body's current positions; does nothing if they are up to date. Each box is enlarged by
 /// the margin at its upper end. A rigid body without self-collision is fitted once, in local coordinates, unless its
