@@ -4,13 +4,11 @@
 // of the mesh.
 #include "quickcullide/bullet_fracture.h"
 
+#include "common/mass_properties.h"
 #include "fracture/bonds.h"
 #include "fracture/cell_sites.h"
 #include "fracture/parallel_cells.h"
 #include "fracture/voronoi_cells.h"
-
-#include "quickcullide/bullet_mesh.h"
-#include "quickcullide/bullet_positions.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
@@ -201,10 +199,8 @@ void PutInFrame(const qcFacetedMesh& island, const qcClipPoint& center, const qc
         piece->vertices.emplace_back(btScalar(v[0]), btScalar(v[1]), btScalar(v[2]));
     }
     // In units, so that no moment of inertia overflows.
-    const qcMassProperties mass =
-        qcMeshShape(piece->vertices.data(), qcBulletPositions, sizeof(btVector3), uint32_t(piece->vertices.size()),
-                    piece->indices.data(), uint32_t(piece->indices.size() / 3))
-            .getMassProperties();
+    const qcMassProperties mass = qcMassPropertiesOf(
+        qcMeasureSolid(piece->vertices.data(), piece->indices.data(), uint32_t(piece->indices.size() / 3)));
     const btMatrix3x3& axes = mass.principalFrame.getBasis();
     for (size_t i = 0; i < island.points.size(); i++)
     {

@@ -1,8 +1,8 @@
 // A triangle soup as a Bullet shape.
 #include "quickcullide/bullet_mesh.h"
 
+#include "common/mass_properties.h"
 #include "mesh_shape/convex_cast.h"
-#include "mesh_shape/mass_properties.h"
 #include "mesh_shape/serialize.h"
 #include "mesh_shape/triangle_tree.h"
 #include "quickcullide/bullet_positions.h"

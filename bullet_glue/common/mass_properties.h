@@ -1,6 +1,6 @@
 // Mass properties of triangle meshes.
-#ifndef QC_GLUE_MESH_SHAPE_MASS_PROPERTIES_H
-#define QC_GLUE_MESH_SHAPE_MASS_PROPERTIES_H
+#ifndef QC_GLUE_COMMON_MASS_PROPERTIES_H
+#define QC_GLUE_COMMON_MASS_PROPERTIES_H
 
 #include "quickcullide/bullet_mesh.h"
 
@@ -20,6 +20,9 @@ struct qcMoments
 /// O(n log n).
 qcMoments qcMeasureMesh(const btVector3* vertices, uint32_t vertexCount, const uint32_t* indices,
                         uint32_t triangleCount);
+
+/// Like qcMeasureMesh, for a mesh whose edges are closed. O(n).
+qcMoments qcMeasureSolid(const btVector3* vertices, const uint32_t* indices, uint32_t triangleCount);
 
 /// The diagonal of a body's inertia tensor about the origin of the mesh's frame. A moment is 0 if btScalar can't hold
 /// it or its inverse.

@@ -1,7 +1,7 @@
 // Mass properties of triangle meshes: integrals over tetrahedra from a point of the mesh, or over its triangles where
 // it is open. Tonon: Explicit exact formulas for the 3-D tetrahedron inertia tensor, 2004; axes by Jacobi's method,
 // 1846.
-#include "mesh_shape/mass_properties.h"
+#include "common/mass_properties.h"
 
 #include "common/weld_vertices.h"
 
@@ -233,10 +233,9 @@ class UnitTriangles
     uint32_t m_count;
     double m_unit, m_perUnit;
 };
-} // namespace
-
-qcMoments qcMeasureMesh(const btVector3* vertices, uint32_t vertexCount, const uint32_t* indices,
-                        uint32_t triangleCount)
+/// `hasClosedEdges()` is called for meshes with an inside.
+template <typename Predicate>
+qcMoments Measure(const btVector3* vertices, const uint32_t* indices, uint32_t triangleCount, Predicate hasClosedEdges)
 {
     qcMoments moments = {};
     moments.unit = 1;
@@ -251,7 +250,7 @@ qcMoments qcMeasureMesh(const btVector3* vertices, uint32_t vertexCount, const u
             area += Area(p);
         });
     double ball = std::pow(area, 1.5) / (6 * std::sqrt(s_pi));
-    bool closed = IsClosed(vertices, vertexCount, indices, triangleCount) && std::fabs(moments.mass) > s_minFill * ball;
+    bool closed = std::fabs(moments.mass) > s_minFill * ball && hasClosedEdges();
     if (!closed)
     {
         moments = {};
@@ -263,6 +262,19 @@ qcMoments qcMeasureMesh(const btVector3* vertices, uint32_t vertexCount, const u
     for (int axis = 0; axis < 3; axis++)
         moments.origin[axis] = double(triangles.GetOrigin()[axis]);
     return moments;
+}
+} // namespace
+
+qcMoments qcMeasureMesh(const btVector3* vertices, uint32_t vertexCount, const uint32_t* indices,
+                        uint32_t triangleCount)
+{
+    return Measure(vertices, indices, triangleCount,
+                   [&] { return IsClosed(vertices, vertexCount, indices, triangleCount); });
+}
+
+qcMoments qcMeasureSolid(const btVector3* vertices, const uint32_t* indices, uint32_t triangleCount)
+{
+    return Measure(vertices, indices, triangleCount, [] { return true; });
 }
 
 btVector3 qcInertiaAboutOrigin(const qcMoments& moments, double mass)
