@@ -50,6 +50,11 @@ bool IsSwept(const qcSweptObject& swept)
 {
     return swept.body == nullptr && swept.moves;
 }
+/// By the numbers of the objects.
+bool IsBefore(const qcSweptPair& x, const qcSweptPair& y)
+{
+    return std::make_pair(x.first->number, x.second->number) < std::make_pair(y.first->number, y.second->number);
+}
 } // namespace
 
 qcMotionLimiter::~qcMotionLimiter()
@@ -388,6 +393,19 @@ void qcMotionLimiter::CommitAll(btScalar timeStep)
     m_islands.Damp(cutAgain);
 }
 
+/// Leaves out the pairs that the previous round has proven apart or settled, and whose ends it has not moved.
+void qcMotionLimiter::SkipUnmovedPairs()
+{
+    for (qcSweptObject* swept : m_objects.Get())
+        swept->isUnmoved = qcAreSame(swept->end, swept->certified);
+    auto isProven = [this](const qcSweptPair& pair)
+    {
+        return pair.first->isUnmoved && pair.second->isUnmoved &&
+               !std::binary_search(m_unprovenPairs.begin(), m_unprovenPairs.end(), pair, IsBefore);
+    };
+    m_pairs.erase(std::remove_if(m_pairs.begin(), m_pairs.end(), isProven), m_pairs.end());
+}
+
 /// Leaves out the pairs whose motion is small against the gap between them.
 void qcMotionLimiter::SkipProvenPairs()
 {
@@ -412,11 +430,7 @@ void qcMotionLimiter::KeepTouching(const qcSweptPair& pair, const btVector3& axi
 
 void qcMotionLimiter::SortPairs()
 {
-    std::sort(m_pairs.begin(), m_pairs.end(),
-              [](const qcSweptPair& x, const qcSweptPair& y) {
-                  return std::make_pair(x.first->number, x.second->number) <
-                         std::make_pair(y.first->number, y.second->number);
-              });
+    std::sort(m_pairs.begin(), m_pairs.end(), IsBefore);
 }
 
 /// True if one direction separates two small meshes as a whole at the start and at the end of the step. New objects
@@ -513,9 +527,15 @@ qcStatus qcMotionLimiter::Certify()
     {
         m_objects.FindPairs(&m_pairs);
         if (round > 0)
+        {
             SkipSettledPairs(reported);
+            SkipUnmovedPairs();
+        }
         SkipProvenPairs();
         SortPairs();
+        m_unprovenPairs = m_pairs;
+        for (qcSweptObject* swept : m_objects.Get())
+            swept->certified = swept->end;
         SkipSeparatedPairs();
         bool isStopped = !m_pairs.empty() && StopPairs(round, &reported);
         if (m_status != qc_statusOk || (!isStopped && (!m_areTouching || round >= s_planeRounds)))

@@ -89,6 +89,7 @@ class qcMotionLimiter
     void JoinBlocked(const qcResult& result);
     std::map<Numbers, Block> FindBlocks(const qcResult& result) const;
     void Cut(const qcResult& result, int round);
+    void SkipUnmovedPairs();
     void SkipProvenPairs();
     void SortPairs();
     void KeepTouching(const qcSweptPair& pair, const btVector3& axis, btScalar error);
@@ -110,6 +111,7 @@ class qcMotionLimiter
     qcMotionIslands m_islands;
     qcScene* m_scene = nullptr;
     std::vector<qcSweptPair> m_pairs;                            ///< to certify
+    std::vector<qcSweptPair> m_unprovenPairs;                    ///< of the present round, by their objects' numbers
     std::vector<std::pair<qcSweptObject*, size_t>> m_meshOfSlot; ///< object and index of its mesh
     std::set<Numbers> m_exempt; ///< objects that meet at the start of the step, or can't be kept apart in it
     qcMotionPlanes m_planes;

@@ -35,6 +35,8 @@ struct qcSweptObject
     btTransform carried;       ///< the start, moved by the common motion of its island
     btTransform end;           ///< after the step, as the limiter has it so far
     btTransform tested;        ///< the end at the last detection of this step
+    btTransform certified;     ///< the end in the last round of certificates
+    bool isUnmoved = false;    ///< the end is the one certified
     btTransform next;          ///< where the next step starts
     bool isPushed = false;     ///< planes have moved the end
     btScalar fraction = 1;     ///< of the motion from `carried` to the target that the object makes
