@@ -80,6 +80,13 @@ class qcFractureWorld
     }
 
   private:
+    /// Bullet's solver with arrays that have room for the contact of all pieces when they appear.
+    class Solver : public btSequentialImpulseConstraintSolver
+    {
+      public:
+        void Reserve(int points);
+    };
+
     /// Searches for an impact between collision detection and the solver.
     class World : public btDiscreteDynamicsWorld
     {
@@ -108,7 +115,7 @@ class qcFractureWorld
     btDefaultCollisionConfiguration m_configuration;
     btCollisionDispatcher m_dispatcher;
     qcBroadphase m_broadphase;
-    btSequentialImpulseConstraintSolver m_solver;
+    Solver m_solver;
     qcMeshContact m_meshContact;
     World m_world;
     btStaticPlaneShape m_floorShape;
