@@ -299,9 +299,9 @@ END_TEST
 START_TEST(a_query_callback_may_create_move_and_destroy_proxies)
 {
     for (int ray = 0; ray <= 1; ray++)
-        for (uint64_t seed = 1; seed <= 20; seed++)
+        for (uint64_t start = 1; start <= 20; start++)
         {
-            qcRandom random = {seed};
+            qcRandom random = {start};
             qcBroadphaseModel model;
             Fill(model, &random, 300, true);
             std::set<int> gone;
