@@ -28,6 +28,17 @@ static inline bool qcChildrenCanStartThreads(void)
 #endif
 }
 
+/// Whether a driver of GL may be unloaded. The thread sanitizer's list of libraries that it ignores doesn't allow that.
+static inline bool qcCanUnloadDrivers(void)
+{
+#ifdef QC_HAS_THREAD_SANITIZER
+    printf("skipped: the thread sanitizer allows no driver to be unloaded\n");
+    return false;
+#else
+    return true;
+#endif
+}
+
 /// Whether fork() may wait for other threads. The memory sanitizer's fork() first takes the locks of its own allocator,
 /// and then calls the handlers that wait.
 static inline bool qcForksCanWait(void)
