@@ -233,6 +233,7 @@ class UnitTriangles
     uint32_t m_count;
     double m_unit, m_perUnit;
 };
+
 /// `hasClosedEdges()` is called for meshes with an inside.
 template <typename Predicate>
 qcMoments Measure(const btVector3* vertices, const uint32_t* indices, uint32_t triangleCount, Predicate hasClosedEdges)

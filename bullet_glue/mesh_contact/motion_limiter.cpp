@@ -50,6 +50,7 @@ bool IsSwept(const qcSweptObject& swept)
 {
     return swept.body == nullptr && swept.moves;
 }
+
 /// By the numbers of the objects.
 bool IsBefore(const qcSweptPair& x, const qcSweptPair& y)
 {

@@ -469,18 +469,30 @@ static size_t BlockCount(uint32_t count)
     return ((size_t)count + qc_centroidBlock - 1) / qc_centroidBlock;
 }
 
-/// Scales the vertices to the box of the region.
-static void ScaleToRegion(Order* o)
+/// Takes the scale from the box of the region.
+static void UseRegionScale(Order* o)
 {
     memcpy(o->low, o->options->region->lower, sizeof o->low);
     o->scale = o->options->region->scale / (3.0 * qc_cellsAlong);
+}
+
+static void ScaleAllVertices(Order* o)
+{
     qcParallel_For(o->options->threads, BlockCount(o->vertexCount), qc_minBlocks, ScaleVertices, o);
+}
+
+/// Lists all triangles.
+static void FindAllCentroids(Order* o)
+{
+    ScaleAllVertices(o);
+    qcParallel_For(o->options->threads, BlockCount(o->triangleCount), qc_minBlocks, FindCentroids, o);
 }
 
 /// The nodes of the triangles in the region, unless nearly all are there: then none are added.
 static qcStatus AddRegion(Order* o, qcArray* slots)
 {
-    ScaleToRegion(o);
+    UseRegionScale(o);
+    ScaleAllVertices(o);
     uint32_t count = FindInRegion(o);
     return count < o->triangleCount - o->triangleCount / qc_leftOutShare ? AddNodes(o, o->items.data, count, slots)
                                                                          : qc_statusOk;
@@ -491,8 +503,8 @@ static qcStatus AddRest(Order* o, const uint8_t* present, qcArray* slots)
 {
     qcCentroid* items = o->items.data;
     uint32_t count = 0;
-    ScaleToRegion(o);
-    qcParallel_For(o->options->threads, BlockCount(o->triangleCount), qc_minBlocks, FindCentroids, o);
+    UseRegionScale(o);
+    FindAllCentroids(o);
     for (uint32_t t = 0; t < o->triangleCount; t++)
     {
         items[count] = items[t];
@@ -505,8 +517,7 @@ static qcStatus AddAll(Order* o, qcArray* slots)
 {
     CountValences(o);
     FindScale(o);
-    qcParallel_For(o->options->threads, BlockCount(o->vertexCount), qc_minBlocks, ScaleVertices, o);
-    qcParallel_For(o->options->threads, BlockCount(o->triangleCount), qc_minBlocks, FindCentroids, o);
+    FindAllCentroids(o);
     bool hasHub = HasHub(o);
     if (hasHub)
     {

@@ -16,7 +16,7 @@ typedef struct qcOrderOptions
 typedef struct qcOrderSummary
 {
     bool hasHub; ///< see qcClusters
-    /// Triangles outside the region are left out, a quarter of them at least. Hubs are not looked for.
+    /// Triangles outside the region are left out, more than an eighth of all. Hubs are not looked for.
     bool isLimited;
 } qcOrderSummary;
 
