@@ -32,7 +32,7 @@ enum
 struct Model
 {
     btBroadphaseProxy* proxy = nullptr;
-    btVector3 lower, upper;
+    btVector3 lower{0, 0, 0}, upper{0, 0, 0}; ///< the fourth component is compared, too
     int number = 0;
 };
 
