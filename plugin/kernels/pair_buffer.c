@@ -3,13 +3,14 @@
 
 #include "base/status.h"
 
-/// Adds the keys of pairs, for which there is room. Returns where they are.
+/// Adds the keys of pairs, for which there is room. Returns where they are; null: there are none.
 static uint64_t* AddKeys(qcArray* keys, const qcSlotPair* pairs, size_t count, qcPairKeysFunction* keysOf,
                          const void* context)
 {
+    if (count == 0)
+        return NULL;
     uint64_t* first = (uint64_t*)keys->data + keys->count;
-    if (count != 0)
-        keysOf(context, pairs, count, first);
+    keysOf(context, pairs, count, first);
     keys->count += count;
     return first;
 }
