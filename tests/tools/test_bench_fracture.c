@@ -9,7 +9,7 @@
 
 #define HEADER                                                                                                         \
     "shapes,seed,pieces,steps,break_ms,cut_ms,bodies_ms,detection_ms,solver_ms,first_ms,later_ms,longest_ms,points,"   \
-    "deepest_mm,mean_depth_mm,penetrating,energy,awake,rest_seconds"
+    "deepest_mm,mean_depth_mm,under_floor_mm,penetrating,energy,awake,rest_seconds"
 
 /// A closed tetrahedron.
 static void WriteMesh(void)
@@ -43,6 +43,9 @@ static void TakeRow(const Row* row, void* context)
     ck_assert_double_ge(GetNumber(row, "longest_ms"), GetNumber(row, "first_ms"));
     ck_assert_double_gt(GetNumber(row, "points"), 3.0);
     ck_assert_double_ge(GetNumber(row, "deepest_mm"), GetNumber(row, "mean_depth_mm"));
+    // Contact with the floor begins before its surface, and no piece falls through it.
+    ck_assert_double_ge(GetNumber(row, "under_floor_mm"), 0.0);
+    ck_assert_double_lt(GetNumber(row, "under_floor_mm"), 100.0);
     // It fell from 0.9 m, and lies on the floor or nearly so.
     ck_assert_double_gt(GetNumber(row, "energy"), 0.0);
     if (Is(row, "shapes", "meshes"))

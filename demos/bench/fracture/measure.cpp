@@ -120,6 +120,8 @@ bool qcMeasureFracture(const qcFractureModel& model, const qcFractureRequest& re
             TakeStep(step, row);
         else
             fall++;
+        if (world.Break().happened)
+            row->underFloor = std::max(row->underFloor, -double(step.lowest));
         double depth = 0;
         if (!isOk || row->steps == 0 || (row->steps % s_depthEvery != 0 && row->steps != steps))
             continue;

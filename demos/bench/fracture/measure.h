@@ -17,6 +17,7 @@ struct qcFractureRow
     double points = 0;    ///< in Bullet's manifolds; mean after the break
     /// The deepest point of an exact detection of the pieces' meshes, in every eighth step: maximum and mean, m.
     double deepest = 0, meanDepth = 0;
+    double underFloor = 0;  ///< depth of the lowest vertex under the floor: maximum of all steps from the break on, m
     size_t penetrating = 0; ///< pairs of triangles at the end
     double energy = 0;      ///< kinetic, at the end, J
     size_t awake = 0;       ///< bodies at the end
