@@ -6,6 +6,7 @@
 #include "base/parallel_for.h"
 #include "base/status.h"
 #include "sweep/bvh/lattice_map.h"
+#include "sweep/bvh/motion_bvhs.h"
 
 #include <assert.h>
 #include <math.h>
@@ -84,12 +85,6 @@ static void Flush(Queue* queue)
     queue->isOpen = found.count == 0 || s->job->function(s->job->context, &found, queue->worker);
 }
 
-static qcBvhBoxes BoxesOf(const qcTriangleBvh* bvh, const qcBvhFit* fit)
-{
-    const qcBox8* boxes = fit->boxes.data;
-    return (qcBvhBoxes){boxes, boxes + bvh->firstBox8[1]};
-}
-
 /// The pairs of two leaf nodes of one body that are left out.
 typedef struct Rules
 {
@@ -103,7 +98,7 @@ typedef struct Rules
 static void FindMask(const Search* s, uint32_t a, uint32_t b, Rules* rules)
 {
     const qcClusterVertices* vertices = s->job->a->vertices.data;
-    const qcBox8* nodes = BoxesOf(s->a, &s->a->fit).nodes;
+    const qcBox8* nodes = qcTriangleBvh_Boxes(s->a, &s->a->fit).nodes;
     uint64_t clusters = s->motion != NULL ? UINT64_MAX : s->job->kernels->findOverlaps(&nodes[a], &nodes[b]);
     uint32_t neighbours = s->job->kernels->findPairMask(vertices + (size_t)a * qc_boxLanes,
                                                         vertices + (size_t)b * qc_boxLanes, clusters, rules->ownMask);
@@ -152,7 +147,7 @@ static uint64_t FindClusterOverlaps(Queue* queue, NodePair nodes)
         s->job->kernels->transformBoxes(&s->transformed.boxes.nodes[nodes.b], &s->transformed.levels,
                                         &queue->transformed);
     queue->transformedKey = key;
-    return s->job->kernels->findOverlaps(&BoxesOf(s->a, &s->a->fit).nodes[nodes.a], &queue->transformed);
+    return s->job->kernels->findOverlaps(&qcTriangleBvh_Boxes(s->a, &s->a->fit).nodes[nodes.a], &queue->transformed);
 }
 
 static void MarkVisited(const qcBvhPairsJob* job, NodePair nodes)
@@ -182,7 +177,7 @@ static void CompareLeafNodes(Queue* queue, NodePair nodes)
                                                       rules.exclusions, rules.exclusionCount, queue->end);
         return;
     }
-    qcBvhBoxes boxesA = BoxesOf(s->a, &s->a->fit);
+    qcBvhBoxes boxesA = qcTriangleBvh_Boxes(s->a, &s->a->fit);
     const qcPlaneTest test = {.sides = {s->sides[0], s->sides[1]},
                               .thresholds = &s->thresholds,
                               .isOne = s->same,
@@ -255,7 +250,7 @@ static NodePair ChildAt(NodePair nodes, uint32_t bit)
 /// The boxes of a leaf node that is compared soon, and of its clusters.
 static void Prefetch(const qcTriangleBvh* bvh, uint32_t node)
 {
-    const qcBvhBoxes boxes = BoxesOf(bvh, &bvh->fit);
+    const qcBvhBoxes boxes = qcTriangleBvh_Boxes(bvh, &bvh->fit);
     const char *own = (const char*)&boxes.nodes[node],
                *clusters = (const char*)&boxes.clusters[(size_t)node * qc_boxLanes];
     __builtin_prefetch(own);
@@ -359,100 +354,8 @@ static void FindTransforms(Search* s)
     s->isTurned = s->b->fit.isLocal && (s->a->clusters.nodeCount > 1 || s->b->clusters.nodeCount > 1);
     if (s->isTurned)
         FindReverse(s, &transformA, &transformB);
-    s->transformed.boxes = BoxesOf(s->b, &s->b->fit);
+    s->transformed.boxes = qcTriangleBvh_Boxes(s->b, &s->b->fit);
     s->transformed.triangles = s->sides[1];
-}
-
-//  ---- motions ---------------------------------------------------------------------------------------
-
-/// A body at one end of a motion.
-typedef struct MotionEnd
-{
-    const qcBody* body;
-    const qcTriangleBvh* bvh;
-    const qcBvhFit* fit;
-    const qcTransform* transform;
-    const double *lower, *upper;
-} MotionEnd;
-
-static MotionEnd EndOf(const qcTriangleBvh* bvh, const qcBody* body, int t)
-{
-    if (t == 1 || !body->start.differs)
-        return (MotionEnd){body, bvh, &bvh->fit, &body->transform, body->lower, body->upper};
-    return (MotionEnd){
-        body, bvh, qcTriangleBvh_StartFit(bvh, body), &body->start.transform, body->start.lower, body->start.upper};
-}
-
-/// A lattice with world axes around the box of a body.
-static qcLatticeTransform LatticeAround(const MotionEnd* end)
-{
-    qcLatticeTransform lattice = {.origin = {0.0}};
-    double widest = 0.0;
-    for (int axis = 0; axis < 3; axis++)
-    {
-        lattice.origin[axis] = end->lower[axis];
-        widest = fmax(widest, end->upper[axis] - end->lower[axis]);
-    }
-    int exponent = 0;
-    if (widest > 0.0 && isfinite(widest))
-        frexp(widest, &exponent);
-    for (int axis = 0; axis < 3; axis++)
-    {
-        lattice.unit[axis] = ldexp(1.0, -exponent);
-        lattice.scale[axis] = ldexp(65533.0, -exponent);
-    }
-    return lattice;
-}
-
-/// Maps one end of a body to the reference lattice.
-static bool MapEnd(const MotionEnd* end, const qcLatticeTransform* reference, qcTransformedBvh* at,
-                   qcDistanceThresholds* frame)
-{
-    qcRigidTransform world = {.transform = qcIdentityTransform()}, own = world;
-    memcpy(world.lower, end->lower, sizeof world.lower);
-    memcpy(world.upper, end->upper, sizeof world.upper);
-    memcpy(own.lower, end->fit->isLocal ? end->body->localLower : end->lower, sizeof own.lower);
-    memcpy(own.upper, end->fit->isLocal ? end->body->localUpper : end->upper, sizeof own.upper);
-    own.transform = end->fit->isLocal ? *end->transform : world.transform;
-    qcRelativeTransform relative = qcRelativeTransform_Find(&world, &own);
-    const qcLatticeMap map = {.to = reference,
-                              .from = &end->fit->lattice,
-                              .relative = &relative,
-                              .fromPointError = (double)end->fit->pointError,
-                              .rounds = end->fit->isLocal,
-                              .transformed = at,
-                              .thresholds = frame};
-    frame->isTransformed = true;
-    return qcLatticeMap_Find(&map);
-}
-
-/// Both bodies at both ends, in lattices with world axes: those of a if it is in world coordinates, otherwise lattices
-/// around it.
-static void FindMotion(Search* s)
-{
-    assert(s->motion != NULL);
-    const qcTriangleBvh* bvhs[2] = {s->a, s->b};
-    const qcBody* bodies[2] = {s->job->bodyA, s->job->bodyB};
-    for (int t = 0; t < 2; t++)
-    {
-        MotionEnd first = EndOf(s->a, bodies[0], t);
-        qcLatticeTransform reference = first.fit->isLocal ? LatticeAround(&first) : first.fit->lattice;
-        float pointError = first.fit->pointError;
-        for (int side = 0; side < 2; side++)
-        {
-            MotionEnd end = EndOf(bvhs[side], bodies[side], t);
-            qcMotionBvh* motion = &s->motion[side];
-            motion->isTransformed = side == 0 ? end.fit->isLocal : !s->same;
-            motion->at[t].boxes = BoxesOf(bvhs[side], end.fit);
-            motion->at[t].triangles = (qcIndexedTriangles){bvhs[side]->corners.data, end.fit->points.data};
-            motion->frames[t] = (qcDistanceThresholds){.pointError = end.fit->pointError};
-            if (motion->isTransformed)
-                s->filters = MapEnd(&end, &reference, &motion->at[t], &motion->frames[t]) && s->filters;
-            pointError = fmaxf(pointError, motion->frames[t].pointError);
-        }
-        for (int side = 0; side < 2; side++)
-            s->motion[side].frames[t].pointError = pointError;
-    }
 }
 
 static void Prepare(Search* s, const qcBvhPairsJob* job, qcMotionBvh* motion)
@@ -466,7 +369,8 @@ static void Prepare(Search* s, const qcBvhPairsJob* job, qcMotionBvh* motion)
     assert(!s->same || job->includeNeighbours || qcBodyBvh_FindsSelfPairs(job->a));
     if (job->motion)
     {
-        FindMotion(s);
+        const qcBvhOfBody bvhs[2] = {{s->a, job->bodyA}, {s->b, job->bodyB}};
+        s->filters = qcMotionBvhs_Find(bvhs, s->same, motion);
         return;
     }
     s->sides[0] = (qcIndexedTriangles){s->a->corners.data, s->a->fit.points.data};

@@ -144,6 +144,13 @@ static inline uint32_t qcTriangleBvh_TriangleCount(const qcTriangleBvh* bvh, con
 /// A distance in the frame of the points, rounded up.
 float qcTriangleBvh_DistanceInFrame(const qcTriangleBvh* bvh, double distance);
 
+/// The boxes of the two lowest levels.
+static inline qcBvhBoxes qcTriangleBvh_Boxes(const qcTriangleBvh* bvh, const qcBvhFit* fit)
+{
+    const qcBox8* boxes = fit->boxes.data;
+    return (qcBvhBoxes){boxes, boxes + bvh->firstBox8[1]};
+}
+
 /// Eight boxes of a level: those of node i's children. Above the last level is the root alone.
 static inline const qcBox8* qcTriangleBvh_Box8At(const qcTriangleBvh* bvh, const qcBvhFit* fit, uint32_t level,
                                                  uint32_t i)
