@@ -300,11 +300,15 @@ void qcPointsAlgorithm::processCollision(const btCollisionObjectWrapper* body0, 
     const btCollisionShape *shape0 = body0->getCollisionShape(), *shape1 = body1->getCollisionShape();
     btScalar farther = result->m_closestPointDistanceThreshold;
     FindPoints(*body0, *body1, farther, dispatchInfo.m_timeStep, &points);
+    btScalar margin0 = MarginOf(shape0), margin1 = MarginOf(shape1);
+    ApplyMargins(margin0, margin1, &points);
+    const btCollisionObject *object0 = body0->getCollisionObject(), *object1 = body1->getCollisionObject();
+    if (!m_query && m_dispatcher->needsResponse(object0, object1))
+        m_overlap.Apply(object0, object1, margin0 + margin1, dispatchInfo.m_timeStep, &points);
     // Most pairs of boxes are no contact.
     if (points.empty() && (m_query || std::count(m_manifolds, m_manifolds + s_maxGroups, nullptr) == s_maxGroups))
         return;
     btScalar contactDistance = qcContactDistance(shape0, shape1) + farther;
-    ApplyMargins(MarginOf(shape0), MarginOf(shape1), &points);
     if (m_query)
     {
         ReportAll(points, contactDistance, *body0, *body1, result);
@@ -313,8 +317,7 @@ void qcPointsAlgorithm::processCollision(const btCollisionObjectWrapper* body0, 
     BT_PROFILE("qcMeshContact manifolds");
     contactDistance = std::min(contactDistance, BreakingThreshold(m_dispatcher, *body0, *body1));
     // The threshold of a parent's manifold can't be raised to that of speculative contacts.
-    RemoveDistant(body0->getCollisionObject(), body1->getCollisionObject(), contactDistance,
-                  m_isShared ? 0 : dispatchInfo.m_timeStep, &points);
+    RemoveDistant(object0, object1, contactDistance, m_isShared ? 0 : dispatchInfo.m_timeStep, &points);
     UpdateManifolds(&points, contactDistance, *body0, *body1, result);
 }
 

@@ -4,6 +4,7 @@
 
 #include "mesh_contact/contact_batch.h"
 #include "mesh_contact/contact_reduction.h"
+#include "mesh_contact/margin_overlap.h"
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 
@@ -49,6 +50,7 @@ class qcPointsAlgorithm : public btCollisionAlgorithm
                          const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
                          btManifoldResult* result);
 
+    qcMarginOverlap m_overlap;
     bool m_isShared; ///< a parent algorithm owns the only manifold
     btPersistentManifold* m_manifolds[s_maxGroups] = {};
 };

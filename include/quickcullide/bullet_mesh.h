@@ -186,6 +186,12 @@ struct qcMeshContactStatistics
 /// that span it, among them the deepest, or one of the previous step that is at most 5 % of the threshold less deep. A
 /// point near one of the previous step keeps its impulses.
 ///
+/// Margins that overlap from the beginning, such as those of bodies that are stacked without a gap, or of the pieces of a
+/// body that breaks at rest: they give way within a second, so that the bodies are not thrown apart. Bodies that move by
+/// more than their margins in their first step get Bullet's whole push. The distances of contact points in manifolds
+/// leave out what has not given way yet; without a step of the world (btCollisionWorld, ghosts, contactTest) they are
+/// the real ones.
+///
 /// Fast bodies: rigid bodies that pass each other by more than the threshold and 5 % of the smaller one are sampled at
 /// up to sixteen times in the step, along their initial velocities, and stop where they touch, together with bodies
 /// that follow them. Changes of velocity by the solver within the step are not foreseen, nor are children of compounds.

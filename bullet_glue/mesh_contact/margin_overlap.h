@@ -1,0 +1,26 @@
+// Margins that overlap when the contact of two slow bodies begins, such as those of the pieces of a body that breaks at
+// rest. Bullet's solver would push them apart within some steps, and the pieces would fly: here they give way slowly.
+#ifndef QC_GLUE_MESH_CONTACT_MARGIN_OVERLAP_H
+#define QC_GLUE_MESH_CONTACT_MARGIN_OVERLAP_H
+
+#include "mesh_contact/contact_reduction.h"
+#include "mesh_contact/rigid_motion.h"
+
+/// The overlap of one pair. A penetration of the meshes themselves is no overlap of margins.
+class qcMarginOverlap
+{
+  public:
+    /// Begins or continues the contact of a pair, once in each step, also where it has no points. Increases the
+    /// distances of its points, which are beyond the margins, by what remains of the overlap at the beginning: it falls
+    /// to 0 within a second, and is never larger than the present overlap. `margins`: of both meshes. Bodies that move
+    /// by more than their margins in the first step have none, and get the whole push. `timeStep` 0: nothing is done,
+    /// since no solver follows.
+    void Apply(const btCollisionObject* object0, const btCollisionObject* object1, btScalar margins, btScalar timeStep,
+               std::vector<qcMeshPoint>* points);
+
+  private:
+    bool m_hasBegun = false;
+    btScalar m_rest = 0; ///< of the overlap at the beginning
+};
+
+#endif

@@ -1,0 +1,117 @@
+// Meshes whose margins overlap when they are added to the world: at rest they leave each other slowly, where Bullet's
+// solver would turn the overlap into speed.
+#include "bullet/mesh/mesh_world.h"
+
+namespace
+{
+constexpr btScalar s_margin = btScalar(0.01);
+
+/// Cubes of 1 m side by side, n along each axis, in the air or on a floor.
+std::vector<btRigidBody*> AddCubes(qcMeshWorld& world, const int n[3])
+{
+    std::vector<btRigidBody*> cubes;
+    btCollisionShape* shape = world.Keep(qcCubeModel().MakeShape(s_margin));
+    for (int i = 0; i < n[0] * n[1] * n[2]; i++)
+        cubes.push_back(world.Add(
+            shape, 10,
+            btVector3(btScalar(i % n[0]), btScalar(0.5) + btScalar(i / n[0] % n[1]), btScalar(i / (n[0] * n[1])))));
+    return cubes;
+}
+
+double Fastest(const std::vector<btRigidBody*>& bodies)
+{
+    btScalar fastest = 0;
+    for (const btRigidBody* body : bodies)
+        fastest = std::max(fastest, body->getLinearVelocity().length());
+    return double(fastest);
+}
+
+btScalar Between(const btRigidBody* a, const btRigidBody* b)
+{
+    return (b->getWorldTransform().getOrigin() - a->getWorldTransform().getOrigin()).length();
+}
+
+START_TEST(cubes_that_touch_leave_each_other_slowly)
+{
+    qcMeshWorld world;
+    world.world.setGravity(btVector3(0, 0, 0));
+    const int n[3] = {3, 3, 3};
+    std::vector<btRigidBody*> cubes = AddCubes(world, n);
+    double fastest = 0;
+    for (int step = 0; step < 60; step++)
+    {
+        world.Step();
+        fastest = std::max(fastest, Fastest(cubes));
+    }
+    // The outer ones move by 0.02 m/s along each axis. With all of the overlap at once it is 0.47 m/s.
+    ck_assert_double_lt(fastest, 0.1);
+    world.Step(60);
+    ck_assert_double_gt(double(Between(cubes[0], cubes[1])), 1 + 1.9 * double(s_margin));
+    ck_assert_double_gt(double(Between(cubes[13], cubes[16])), 1 + 1.9 * double(s_margin));
+}
+END_TEST
+
+START_TEST(a_stack_of_cubes_that_touch_does_not_jump)
+{
+    qcMeshWorld world;
+    qcAddFloor(world, qcFloor(_i));
+    const int n[3] = {1, 5, 1};
+    std::vector<btRigidBody*> cubes = AddCubes(world, n);
+    double fastest = 0;
+    for (int step = 0; step < 120; step++)
+    {
+        world.Step();
+        fastest = std::max(fastest, Fastest(cubes));
+    }
+    ck_assert_double_lt(fastest, 0.2);
+    world.Step(120);
+    ck_assert_double_lt(world.KineticEnergy(), 1e-3);
+    for (size_t i = 1; i < cubes.size(); i++)
+        ck_assert_double_gt(double(Between(cubes[i - 1], cubes[i])), 1 + 1.5 * double(s_margin));
+}
+END_TEST
+
+START_TEST(meshes_that_penetrate_are_pushed_apart_at_once)
+{
+    qcMeshWorld world;
+    world.world.setGravity(btVector3(0, 0, 0));
+    const int n[3] = {2, 1, 1};
+    std::vector<btRigidBody*> cubes = AddCubes(world, n);
+    cubes[1]->translate(btVector3(btScalar(-0.005), 0, 0));
+    world.Step(8);
+    ck_assert_double_gt(double(Between(cubes[0], cubes[1])), 1);
+}
+END_TEST
+
+/// The speed at which two cubes leave each other after a step that begins with an overlap of margins.
+double Rebound(btScalar closing)
+{
+    qcMeshWorld world;
+    world.world.setGravity(btVector3(0, 0, 0));
+    const int n[3] = {2, 1, 1};
+    std::vector<btRigidBody*> cubes = AddCubes(world, n);
+    cubes[0]->setLinearVelocity(btVector3(closing, 0, 0));
+    world.Step();
+    return double(cubes[1]->getLinearVelocity().x() - cubes[0]->getLinearVelocity().x());
+}
+
+START_TEST(only_slow_bodies_spare_their_margins)
+{
+    // In a step the slow one moves by a sixth of the margins, the fast one by 2.5 times the margins.
+    ck_assert_double_lt(Rebound(btScalar(0.2)), 0.02);
+    ck_assert_double_gt(Rebound(3), 0.1);
+}
+END_TEST
+} // namespace
+
+int main()
+{
+    Suite* suite = suite_create("margin overlap");
+    TCase* tests = tcase_create("margin overlap");
+    tcase_add_test(tests, cubes_that_touch_leave_each_other_slowly);
+    tcase_add_loop_test(tests, a_stack_of_cubes_that_touch_does_not_jump, 0, qc_floorCount);
+    tcase_add_test(tests, meshes_that_penetrate_are_pushed_apart_at_once);
+    tcase_add_test(tests, only_slow_bodies_spare_their_margins);
+    suite_add_tcase(suite, tests);
+    return qcRunSuite(suite);
+}
