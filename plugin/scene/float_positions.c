@@ -3,6 +3,8 @@
 
 #include "base/status.h"
 
+#include <assert.h>
+
 /// Bytes of a position array and one float more, rounded up to whole cache lines.
 static size_t ArrayBytes(const qcBody* body)
 {
@@ -35,6 +37,7 @@ qcStatus qcFloatPositions_Keep(qcBody* body)
         return qc_statusOk;
     if (body->floats == NULL)
         QC_TRY(Allocate(body));
+    assert(body->floats != NULL);
     body->floats->kept = true;
     return qc_statusOk;
 }

@@ -307,7 +307,7 @@ static void WriteBatches(qcTileSchedule* s, const Pass* pass, qcScheduleTile* ti
         }
         AddRun(s, pass, run, polygon, batch);
         uint32_t isCounted = IsCounted(pass->view, &pass->steps[run->step]);
-        tile->countedCount += isCounted * run->triangleCount;
+        tile->countedCount += isCounted != 0 ? run->triangleCount : 0;
         for (uint32_t k = 0; k < run->triangleCount; ++k)
         {
             uint32_t triangle = entries[run->firstEntry + k].triangle;
