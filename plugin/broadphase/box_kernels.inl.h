@@ -12,10 +12,15 @@
 
 #define QC_INLINE static inline __attribute__((always_inline))
 
-static uint32_t Overlap(const qcOctet* octet, const qcFloatBox* box)
+QC_INLINE uint32_t OverlapOctet(const qcOctet* octet, const qcFloatBox* box)
 {
     Lanes lanes = LoadLanes(octet);
     return OverlapLanes(&lanes, box);
+}
+
+static uint32_t Overlap(const qcOctet* octet, const qcFloatBox* box)
+{
+    return OverlapOctet(octet, box);
 }
 
 QC_INLINE qcFloatBox LaneOf(const qcOctet* octet, uint32_t lane)
@@ -62,7 +67,7 @@ static size_t FindOverlaps(const qcOctet* octet, const qcOctetTree* tree, uint32
         Node node = stack[--stackCount];
         const qcOctet* above = &tree->octets[tree->first[node.level] + node.octet];
         uint32_t level = node.level - 1;
-        for (uint32_t lanes = Overlap(above, &around); lanes != 0; lanes &= lanes - 1)
+        for (uint32_t lanes = OverlapOctet(above, &around); lanes != 0; lanes &= lanes - 1)
         {
             uint32_t lane = (uint32_t)__builtin_ctz(lanes), below = qc_lanes * node.octet + lane;
             if (((uint64_t)below + 1) << 3 * level <= first)
