@@ -19,41 +19,6 @@ enum
 /// partition took three times as long.
 typedef int32_t Register __attribute__((vector_size(16), aligned(4), may_alias));
 
-static float Finite(float x)
-{
-    // True for NaN, too: the result of infinities that cancel.
-    if (!(x > -1e30f))
-        return -1e30f;
-    return x < 1e30f ? x : 1e30f;
-}
-
-typedef union Bits
-{
-    float f;
-    int32_t i;
-} Bits;
-
-/// An integer that compares like the float, and back.
-static int32_t OrderOf(float x)
-{
-    Bits bits = {.f = x + 0.0f};
-    return bits.i ^ (bits.i >> 31 & INT32_MAX);
-}
-
-static float FloatOf(int32_t order)
-{
-    Bits bits = {.i = order ^ (order >> 31 & INT32_MAX)};
-    return bits.f;
-}
-
-qcBoxItem qcBoxItem_Make(const qcFloatBox* box, uint32_t id)
-{
-    qcBoxItem item = {.id = id};
-    for (int k = 0; k < 3; k++)
-        item.center[k] = OrderOf(Finite(0.5f * box->lower[k] + 0.5f * box->upper[k]));
-    return item;
-}
-
 //  ---- splits ----------------------------------------------------------------------------------------
 
 /// A strict order of all items: by centre, then by id.
@@ -114,20 +79,36 @@ static void Select(qcBoxItem* items, size_t count, size_t nth, int axis)
     }
 }
 
+static inline Register Less(Register a, Register b)
+{
+    Register less = a < b;
+    return (a & less) | (b & ~less);
+}
+
+static inline Register More(Register a, Register b)
+{
+    Register more = a > b;
+    return (a & more) | (b & ~more);
+}
+
 static int LongestAxis(const qcBoxItem* items, size_t count)
 {
-    Register lower = *(const Register*)&items[0], upper = lower;
-    for (size_t i = 1; i < count; i++)
-    {
-        Register item = *(const Register*)&items[i], less = item<lower, more = item> upper;
-        lower = (item & less) | (lower & ~less);
-        upper = (item & more) | (upper & ~more);
-    }
+    // The bounds of every second item: a comparison waits for the one before.
+    Register lower[2], upper[2];
+    lower[0] = lower[1] = upper[0] = upper[1] = *(const Register*)&items[count - 1];
+    for (size_t i = 0; i + 2 <= count; i += 2)
+        for (size_t j = 0; j < 2; j++)
+        {
+            Register item = *(const Register*)&items[i + j];
+            lower[j] = Less(lower[j], item);
+            upper[j] = More(upper[j], item);
+        }
+    Register lowest = Less(lower[0], lower[1]), highest = More(upper[0], upper[1]);
     int longest = 0;
     float length = -1.0f;
     for (int k = 0; k < 3; k++)
     {
-        float edge = FloatOf(upper[k]) - FloatOf(lower[k]);
+        float edge = qcFloatOrder_Float(highest[k]) - qcFloatOrder_Float(lowest[k]);
         longest = edge > length ? k : longest;
         length = edge > length ? edge : length;
     }
