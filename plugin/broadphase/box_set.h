@@ -62,20 +62,19 @@ struct qcBoxes
     /// All pairs whose AABBs in the forest overlap, except pairs of two stationary boxes and of stale boxes; pairs of
     /// dynamic boxes may be outdated. QC_EDGE_MARK: the boxes themselves overlapped at the last search.
     qcOverlapGraph overlaps;
-    qcArray boxes;                 ///< qcBox, by id
-    qcArray bounds;                ///< qcBounds, by id, set where the floats are not exact
-    qcArray userData;              ///< void*, by id; null where there is no box
-    qcArray freeIds;               ///< uint32_t, a heap with the lowest id on top
-    qcArray movedBoxes;            ///< qcMovedBox
-    qcArray hits;                  ///< qcOctetHit
-    qcArray visitMarks;            ///< uint32_t, by id
-    uint32_t lastMark;             ///< the visit mark used last
-    qcArray began, ended, scratch; ///< qcSortItem
-    qcArray pairs;                 ///< qcBoxPair
-    qcBoxProfile profile;          ///< of the last search
-    uint32_t insertedCount;        ///< boxes that are not qc_boxInTree
-    uint32_t staleCount;           ///< boxes that are qc_boxPairsStale
-    bool historyLost;              ///< a search failed: the overlaps of the last search are unknown
+    qcArray boxes;          ///< qcBox, by id
+    qcArray bounds;         ///< qcBounds, by id, set where the floats are not exact
+    qcArray userData;       ///< void*, by id; null where there is no box
+    qcArray freeIds;        ///< uint32_t, a heap with the lowest id on top
+    qcArray movedBoxes;     ///< qcMovedBox
+    qcArray hits;           ///< qcOctetHit
+    qcArray visitMarks;     ///< uint32_t, by id
+    uint32_t lastMark;      ///< the visit mark used last
+    qcArray began, ended;   ///< qcBoxPair; during a search a key of 64 bits each
+    qcBoxProfile profile;   ///< of the last search
+    uint32_t insertedCount; ///< boxes that are not qc_boxInTree
+    uint32_t staleCount;    ///< boxes that are qc_boxPairsStale
+    bool historyLost;       ///< a search failed: the overlaps of the last search are unknown
 };
 
 static inline bool qcBounds_Overlap(const qcBounds* a, const qcBounds* b)

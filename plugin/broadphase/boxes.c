@@ -170,8 +170,6 @@ void qcBoxes_Destroy(qcBoxes* boxes)
     qcArray_Free(&boxes->visitMarks);
     qcArray_Free(&boxes->began);
     qcArray_Free(&boxes->ended);
-    qcArray_Free(&boxes->scratch);
-    qcArray_Free(&boxes->pairs);
     qcFree(boxes, sizeof *boxes);
 }
 
@@ -269,7 +267,7 @@ __attribute__((noinline)) static qcStatus Add(qcBoxes* boxes, const double lower
     MarkMoved(boxes, *id, true);
     QC_AT(void*, boxes->userData, *id) = userData;
     // Not enlarged: most boxes never move.
-    qcForest_Insert(&boxes->forest, *id, &extent.floats);
+    qcForest_Insert(&boxes->forest, *id, &extent.floats, extent.exact);
     return qc_statusOk;
 }
 
@@ -324,7 +322,7 @@ __attribute__((noinline)) static qcStatus Move(qcBoxes* boxes, uint32_t id, cons
     {
         qcBounds previous = qcBoxes_Bounds(boxes, id), bounds = MakeBounds(&extent);
         qcFloatBox fat = Fatten(&previous, &bounds, StepsAhead(id));
-        qcForest_Insert(&boxes->forest, id, &fat);
+        qcForest_Insert(&boxes->forest, id, &fat, false);
         boxes->insertedCount += box->state == qc_boxInTree;
         boxes->staleCount += box->state != qc_boxPairsStale;
         box->state = qc_boxPairsStale;

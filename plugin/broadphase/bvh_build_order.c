@@ -192,6 +192,8 @@ void qcBuildOrder_Arrange(qcBoxItem* items, size_t count, const qcFloatBox* boxe
     uint32_t min = qc_exponents, max = 0;
     for (size_t i = 0; i < count; i++)
     {
+        if (i + qc_fetchAhead < count)
+            __builtin_prefetch(&boxes[items[i + qc_fetchAhead].id]);
         uint32_t exponent = SizeExponent(&boxes[items[i].id]);
         min = exponent < min ? exponent : min;
         max = exponent > max ? exponent : max;

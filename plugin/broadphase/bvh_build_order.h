@@ -4,6 +4,12 @@
 
 #include "broadphase/box_kernels.h"
 
+enum
+{
+    // Boxes by id lie anywhere in memory: those that a build reads are fetched so many ahead.
+    qc_fetchAhead = 16
+};
+
 /// A box's centre and id.
 typedef struct qcBoxItem
 {

@@ -35,7 +35,9 @@ static void Append(qcForest* forest, uint32_t id, const qcFloatBox* box)
         ClearLane(octet, i);
     SetLane(octet, lane, box);
     QC_AT(uint32_t, forest->listIds, at) = id;
-    QC_AT(qcLeafPosition, forest->positions, id) = (qcLeafPosition){qc_inList, at};
+    qcLeafPosition* position = &QC_AT(qcLeafPosition, forest->positions, id);
+    position->tree = qc_inList;
+    position->lane = at;
 }
 
 /// Removes a box from the list; the last box takes its position.
@@ -97,6 +99,10 @@ static qcStatus CollectItems(qcForest* forest, const Sources* sources)
         for (uint32_t lane = 0; lane < tree->laneCount; lane++)
         {
             uint32_t id = QC_AT(uint32_t, tree->ids, lane);
+            uint32_t later =
+                lane + qc_fetchAhead < tree->laneCount ? QC_AT(uint32_t, tree->ids, lane + qc_fetchAhead) : QC_NO_BOX;
+            if (later != QC_NO_BOX)
+                __builtin_prefetch(&QC_AT(qcFloatBox, forest->boxes, later));
             if (id != QC_NO_BOX)
                 items[count++] = qcBoxItem_Make(&QC_AT(qcFloatBox, forest->boxes, id), id);
         }
@@ -129,7 +135,8 @@ static bool HasRoom(const qcForest* forest, const Sources* sources, uint32_t num
 {
     const qcBoxTree* tree = &forest->trees[number];
     return tree->octets.capacity >= octets * sizeof(qcOctet) &&
-           tree->ids.capacity >= (sources->boxCount + qc_lanes) * sizeof(uint32_t);
+           tree->ids.capacity >= (sources->boxCount + qc_lanes) * sizeof(uint32_t) &&
+           tree->tight.capacity >= sources->boxCount / qc_lanes + 1;
 }
 
 /// The unused tree whose capacity fits best, or else the one with the largest capacity; qc_inNoTree: all are in use.
@@ -171,17 +178,27 @@ static void FillTree(qcForest* forest, uint32_t number, size_t count)
     const qcBoxItem* items = forest->items.data;
     qcOctet* octets = tree->octets.data;
     size_t leaves = (count + qc_lanes - 1) / qc_lanes;
+    uint8_t* tight = tree->tight.data;
+    memset(tight, 0, leaves);
     for (size_t i = 0; i < leaves * qc_lanes; i++)
     {
         uint32_t id = i < count ? items[i].id : QC_NO_BOX;
+        if (i + qc_fetchAhead < count)
+        {
+            __builtin_prefetch(&QC_AT(qcFloatBox, forest->boxes, items[i + qc_fetchAhead].id));
+            __builtin_prefetch(&QC_AT(qcLeafPosition, forest->positions, items[i + qc_fetchAhead].id), 1);
+        }
         QC_AT(uint32_t, tree->ids, i) = id;
         if (id == QC_NO_BOX)
         {
             ClearLane(&octets[i / qc_lanes], i % qc_lanes);
             continue;
         }
+        qcLeafPosition* position = &QC_AT(qcLeafPosition, forest->positions, id);
         SetLane(&octets[i / qc_lanes], i % qc_lanes, &QC_AT(qcFloatBox, forest->boxes, id));
-        QC_AT(qcLeafPosition, forest->positions, id) = (qcLeafPosition){number, (uint32_t)i};
+        position->tree = (uint8_t)number;
+        position->lane = (uint32_t)i;
+        tight[i / qc_lanes] |= (uint8_t)(position->tight << i % qc_lanes);
     }
     for (uint32_t level = 1; level < tree->shape.levelCount; level++)
         FillLevel(octets + tree->shape.first[level], octets + tree->shape.first[level - 1],
@@ -204,6 +221,7 @@ static qcStatus BuildTree(qcForest* forest, const Sources* sources, bool dynamic
     forest->allocatedTrees |= (uint64_t)1 << *number;
     QC_TRY(qcArray_Reserve(&tree->octets, octets, sizeof(qcOctet), "a tree of boxes"));
     QC_TRY(qcArray_Reserve(&tree->ids, sources->boxCount + qc_lanes, sizeof(uint32_t), "ids in a tree of boxes"));
+    QC_TRY(qcArray_Reserve(&tree->tight, sources->boxCount / qc_lanes + 1, 1, "tight boxes in a tree"));
     DropTrees(forest, sources->trees);
     if (sources->list)
         forest->listIds.count = 0;
@@ -273,6 +291,7 @@ static void FreeTrees(qcForest* forest)
     {
         qcArray_Free(&forest->trees[t].octets);
         qcArray_Free(&forest->trees[t].ids);
+        qcArray_Free(&forest->trees[t].tight);
     }
     forest->allocatedTrees = 0;
 }
@@ -298,9 +317,10 @@ void qcForest_Free(qcForest* forest)
     *forest = (qcForest){.kernels = forest->kernels};
 }
 
-void qcForest_Insert(qcForest* forest, uint32_t id, const qcFloatBox* box)
+void qcForest_Insert(qcForest* forest, uint32_t id, const qcFloatBox* box, bool tight)
 {
     qcLeafPosition* position = &QC_AT(qcLeafPosition, forest->positions, id);
+    position->tight = tight;
     QC_AT(qcFloatBox, forest->boxes, id) = *box;
     if (position->tree == qc_inList)
     {

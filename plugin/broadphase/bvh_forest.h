@@ -22,6 +22,7 @@ typedef struct qcBoxTree
 {
     qcArray octets; ///< qcOctet
     qcArray ids;    ///< uint32_t, by lane of level 0, or QC_NO_BOX
+    qcArray tight;  ///< uint8_t, by octet of level 0: a bit for each lane with a tight box
     qcOctetTree shape;
     uint32_t laneCount; ///< lanes of level 0
     uint32_t boxCount;  ///< boxes not removed since it was built
@@ -29,7 +30,8 @@ typedef struct qcBoxTree
 
 typedef struct qcLeafPosition
 {
-    uint32_t tree; ///< or qc_inList, qc_inNoTree
+    uint8_t tree;  ///< or qc_inList, qc_inNoTree
+    bool tight;    ///< of the box in the forest
     uint32_t lane; ///< of level 0, or index in the list
 } qcLeafPosition;
 
@@ -62,8 +64,9 @@ qcStatus qcForest_Reserve(qcForest* forest, size_t idCount);
 void qcForest_Clear(qcForest* forest);
 void qcForest_Free(qcForest* forest);
 
-/// Inserts a box, or replaces it. lower <= upper, infinities allowed. The box is dynamic until qcForest_Promote.
-void qcForest_Insert(qcForest* forest, uint32_t id, const qcFloatBox* box);
+/// Inserts a box, or replaces it. lower <= upper, infinities allowed. `tight`: it is the caller's box itself, not one
+/// around it. The box is dynamic until qcForest_Promote.
+void qcForest_Insert(qcForest* forest, uint32_t id, const qcFloatBox* box, bool tight);
 void qcForest_Remove(qcForest* forest, uint32_t id);
 
 /// Merges all dynamic boxes into one tree; `*tree` is its number, or qc_inNoTree if there are none.

@@ -11,6 +11,8 @@ enum
 {
     // Two octets.
     qc_shortList = 16,
+    // Room for pairs that is made at once: growing in parts took a fiftieth of the first search of 160 000 boxes.
+    qc_pairsOfNewBox = 2,
     // Edges of one box that are compared together.
     qc_edgeBlock = 32
 };
@@ -22,17 +24,21 @@ typedef enum Report
     CHANGED ///< pairs whose overlap began or ended
 } Report;
 
-/// A pair's sort key: orders pairs by a, then b, in as few digits as possible.
-static uint64_t PairKey(const qcBoxes* set, uint32_t a, uint32_t b)
+/// A pair as one number, whose order is by the lower id, then by the other.
+static inline uint64_t PairKey(uint32_t a, uint32_t b)
 {
-    return (a < b ? a : b) * (uint64_t)set->boxes.count + (a < b ? b : a);
+    return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
 }
 
-static qcStatus PushPair(qcBoxes* set, qcArray* list, uint32_t a, uint32_t b)
+static qcStatus ReservePairs(qcArray* list, size_t more)
 {
-    QC_TRY(qcArray_Reserve(list, list->count + 1, sizeof(qcSortItem), "pairs of boxes"));
-    QC_AT(qcSortItem, *list, list->count++) =
-        (qcSortItem){PairKey(set, a, b), a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a};
+    return qcArray_Reserve(list, list->count + more, sizeof(uint64_t), "pairs of boxes");
+}
+
+static qcStatus PushPair(qcArray* list, uint32_t a, uint32_t b)
+{
+    QC_TRY(ReservePairs(list, 1));
+    QC_AT(uint64_t, *list, list->count++) = PairKey(a, b);
     return qc_statusOk;
 }
 
@@ -48,13 +54,14 @@ static qcStatus AddOverlap(qcBoxes* set, Report report, uint32_t a, uint32_t b)
     // No edge: pairs of stationary boxes cost nothing once they are reported. Unless the history is lost, one of the
     // two boxes is new.
     bool reported = report == CHANGED || (x->movedIndex & y->movedIndex) != QC_NOT_MOVED;
-    return reported && qcBoxes_Overlap(set, a, b) ? PushPair(set, &set->began, a, b) : qc_statusOk;
+    return reported && qcBoxes_Overlap(set, a, b) ? PushPair(&set->began, a, b) : qc_statusOk;
 }
 
 /// The hits in one tree.
 typedef struct HitRange
 {
     const uint32_t* ids;
+    const uint8_t* tight;
     size_t first, end; ///< in qcBoxes.hits
 } HitRange;
 
@@ -82,8 +89,61 @@ static void FindOctetOverlaps(qcBoxes* set, uint32_t dynamic, uint32_t octet, Hi
         count += forest->kernels->findOverlaps(query, &tree->shape, t == dynamic ? octet : 0, hits + first);
         for (size_t i = first; t == dynamic && i < count; i++)
             hits[i].lanes &= hits[i].octet == octet ? triangle : UINT64_MAX;
-        ranges->range[ranges->count++] = (HitRange){tree->ids.data, first, count};
+        ranges->range[ranges->count++] = (HitRange){tree->ids.data, tree->tight.data, first, count};
     }
+}
+
+/// These lanes in all rows of a hit.
+static inline uint64_t Columns(uint8_t lanes)
+{
+    return lanes * 0x0101010101010101u;
+}
+
+/// All lanes of these rows of a hit.
+static inline uint64_t Rows(uint8_t rows)
+{
+    // Bit i in byte i; the sum carries it into bit 7 of the byte.
+    uint64_t bits = Columns(rows) & 0x8040201008040201u;
+    return ((bits + 0x7f7f7f7f7f7f7f7fu) >> 7 & 0x0101010101010101u) * 0xff;
+}
+
+/// Reports the hits between tight boxes as begun, and removes them from the hits: such boxes overlap and get no edge.
+/// In a search after many boxes were added nearly all hits are of this kind, and no box is read by its id.
+static qcStatus ReportTightHits(qcBoxes* set, const qcBoxTree* tree, uint32_t octet, const HitRanges* ranges)
+{
+    qcOctetHit* hits = set->hits.data;
+    const uint32_t* ids = &QC_AT(uint32_t, tree->ids, (size_t)qc_lanes * octet);
+    const uint64_t rows = Rows(QC_AT(uint8_t, tree->tight, octet));
+    for (uint32_t r = 0; r < ranges->count; r++)
+    {
+        const HitRange* range = &ranges->range[r];
+        for (size_t i = range->first; i < range->end; i++)
+        {
+            QC_TRY(ReservePairs(&set->began, (size_t)qc_lanes * qc_lanes));
+            uint64_t* pairs = set->began.data;
+            size_t count = set->began.count;
+            const uint32_t* found = &range->ids[(size_t)qc_lanes * hits[i].octet];
+            uint64_t tight = hits[i].lanes & rows & Columns(range->tight[hits[i].octet]);
+            hits[i].lanes &= ~tight;
+            for (; tight != 0; tight &= tight - 1)
+            {
+                uint32_t bit = (uint32_t)__builtin_ctzll(tight);
+                pairs[count++] = PairKey(ids[bit / qc_lanes], found[bit % qc_lanes]);
+            }
+            set->began.count = count;
+        }
+    }
+    return qc_statusOk;
+}
+
+/// The lanes of all hits: a row without any has no hit.
+static uint64_t LanesWithHits(const qcBoxes* set, const HitRanges* ranges)
+{
+    const qcOctetHit* hits = set->hits.data;
+    uint64_t lanes = 0;
+    for (size_t i = 0; ranges->count != 0 && i < ranges->range[ranges->count - 1].end; i++)
+        lanes |= hits[i].lanes;
+    return lanes;
 }
 
 /// Adds the hits in one row of a query octet, except those with an edge.
@@ -116,7 +176,7 @@ static qcStatus RemoveOutdatedEdges(qcBoxes* set, Report report, uint32_t id)
         if (qcFloatBox_Overlap(box, &boxes[other]))
             continue;
         if (report == CHANGED && (qcOverlapGraph_Edge(&set->overlaps, edge)->box[0] & QC_EDGE_MARK) != 0)
-            QC_TRY(PushPair(set, &set->ended, id, other));
+            QC_TRY(PushPair(&set->ended, id, other));
         qcOverlapGraph_RemoveEdge(&set->overlaps, edge);
     }
     return qc_statusOk;
@@ -137,12 +197,15 @@ static qcStatus FindDynamicOverlaps(qcBoxes* set, Report report)
     for (uint64_t trees = set->forest.staticTrees | set->forest.dynamicTrees; trees != 0;)
         room += set->forest.trees[qcForest_NextTree(&trees)].laneCount / qc_lanes + 1;
     QC_TRY(qcArray_Reserve(&set->hits, room, sizeof(qcOctetHit), "overlaps of boxes"));
-    for (uint32_t lane = 0; lane < tree->laneCount; lane++)
+    QC_TRY(ReservePairs(&set->began, qc_pairsOfNewBox * (size_t)set->staleCount));
+    for (uint32_t octet = 0; octet < tree->laneCount / qc_lanes; octet++)
     {
-        if (lane % qc_lanes == 0)
-            FindOctetOverlaps(set, dynamic, lane / qc_lanes, &ranges);
-        if (ids[lane] != QC_NO_BOX)
-            QC_TRY(AddHits(set, report, ids[lane], lane % qc_lanes, &ranges));
+        FindOctetOverlaps(set, dynamic, octet, &ranges);
+        if (report == CHANGED)
+            QC_TRY(ReportTightHits(set, tree, octet, &ranges));
+        for (uint64_t rows = LanesWithHits(set, &ranges), row = 0; rows != 0; rows >>= qc_lanes, row++)
+            if ((rows & 0xff) != 0)
+                QC_TRY(AddHits(set, report, ids[(size_t)qc_lanes * octet + row], (uint32_t)row, &ranges));
     }
     return qc_statusOk;
 }
@@ -191,7 +254,7 @@ static inline qcStatus ReportOverlap(qcBoxes* set, Report report, qcEdge* edge, 
         edge->box[0] = overlap ? a | QC_EDGE_MARK : a;
     if (report == MOVED ? !(moved && overlap) : overlap == overlapped)
         return qc_statusOk;
-    return PushPair(set, overlap ? &set->began : &set->ended, a, b);
+    return PushPair(overlap ? &set->began : &set->ended, a, b);
 }
 
 /// Reports the pairs of one moved box. A pair of two moved boxes is reported for the lower id.
@@ -223,6 +286,12 @@ static qcStatus ReportPairsOf(qcBoxes* set, Report report, uint32_t id)
     return qc_statusOk;
 }
 
+/// Whether a pass over all boxes or edges takes less time than one over those of moved boxes: it reads memory in order.
+static bool MovedMany(const qcBoxes* set)
+{
+    return set->movedBoxes.count > set->boxes.count / 4;
+}
+
 /// Reports pairs in memory order of the edges instead of list order.
 static qcStatus ReportAllPairs(qcBoxes* set, Report report)
 {
@@ -243,20 +312,39 @@ static qcStatus ReportAllPairs(qcBoxes* set, Report report)
 
 static qcStatus ReportPairs(qcBoxes* set, Report report)
 {
-    if (set->historyLost || set->movedBoxes.count > set->boxes.count / 4)
+    if (set->historyLost || MovedMany(set))
         return ReportAllPairs(set, report);
     for (size_t i = 0; i < set->movedBoxes.count; i++)
         QC_TRY(ReportPairsOf(set, report, QC_AT(qcMovedBox, set->movedBoxes, i).id));
     return qc_statusOk;
 }
 
-static void StoreSorted(const qcArray* items, qcBoxPair* pairs)
+/// Sorts keys of pairs, and replaces each by its pair: fresh memory for the pairs would take longer than the sort.
+static qcStatus SortPairs(qcBoxes* set, qcArray* keys)
 {
-    for (size_t i = 0; i < items->count; i++)
+    // Builds of trees, whose scratch this is, are over.
+    QC_TRY(qcSort_Keys(keys->data, keys->count, &set->forest.items));
+    for (size_t i = 0; i < keys->count; i++)
     {
-        uint64_t pair = QC_AT(qcSortItem, *items, i).value;
-        pairs[i] = (qcBoxPair){(uint32_t)(pair >> 32), (uint32_t)pair};
+        uint64_t key = QC_AT(uint64_t, *keys, i);
+        QC_AT(qcBoxPair, *keys, i) = (qcBoxPair){(uint32_t)(key >> 32), (uint32_t)key};
     }
+    return qc_statusOk;
+}
+
+/// Ends the interval in which boxes moved.
+static void Settle(qcBoxes* set)
+{
+    const bool all = MovedMany(set);
+    for (size_t i = 0; i < (all ? set->boxes.count : set->movedBoxes.count); i++)
+    {
+        qcBox* box = qcBoxes_Box(set, all ? (uint32_t)i : QC_AT(qcMovedBox, set->movedBoxes, i).id);
+        box->movedIndex = QC_NOT_MOVED;
+        box->state = qc_boxInTree;
+    }
+    set->movedBoxes.count = 0;
+    set->insertedCount = 0;
+    set->staleCount = 0;
 }
 
 __attribute__((noinline)) static qcStatus SearchInMode(qcBoxes* set, Report report)
@@ -266,27 +354,15 @@ __attribute__((noinline)) static qcStatus SearchInMode(qcBoxes* set, Report repo
     set->profile = (qcBoxProfile){.moved = set->movedBoxes.count};
     QC_TRY(UpdateGraph(set, report));
     QC_TRY(ReportPairs(set, report));
-    QC_TRY(qcSort_Items(set->began.data, set->began.count, &set->scratch));
-    QC_TRY(qcSort_Items(set->ended.data, set->ended.count, &set->scratch));
-    QC_TRY(qcArray_Resize(&set->pairs, set->began.count + set->ended.count, sizeof(qcBoxPair), "pairs of boxes"));
+    QC_TRY(SortPairs(set, &set->began));
+    QC_TRY(SortPairs(set, &set->ended));
     set->profile.sorted = set->forest.sortedCount;
     set->forest.sortedCount = 0;
-    StoreSorted(&set->began, set->pairs.data);
-    if (set->ended.count != 0)
-        StoreSorted(&set->ended, &QC_AT(qcBoxPair, set->pairs, set->began.count));
-    for (size_t i = 0; i < set->movedBoxes.count; i++)
-    {
-        qcBox* box = qcBoxes_Box(set, QC_AT(qcMovedBox, set->movedBoxes, i).id);
-        box->movedIndex = QC_NOT_MOVED;
-        box->state = qc_boxInTree;
-    }
-    set->movedBoxes.count = 0;
-    set->insertedCount = 0;
-    set->staleCount = 0;
+    Settle(set);
     return qc_statusOk;
 }
 
-/// Leaves in `pairs` those that began, then those that ended. A failed search loses the history.
+/// Leaves the pairs in `began` and `ended`. A failed search loses the history.
 static qcStatus Search(qcBoxes* set, Report report)
 {
     qcFloatMode mode = qcFloatMode_Begin();
@@ -301,8 +377,8 @@ qcStatus qcBoxes_FindMovedPairs(qcBoxes* boxes, const qcBoxPair** pairs, size_t*
     if (boxes == NULL || pairs == NULL || count == NULL)
         return qcFail(qc_statusBadInput, "qcBoxes_FindMovedPairs: boxes, pairs or count is null");
     QC_TRY(Search(boxes, MOVED));
-    *pairs = boxes->pairs.data;
-    *count = boxes->pairs.count;
+    *pairs = boxes->began.data;
+    *count = boxes->began.count;
     return qc_statusOk;
 }
 
@@ -312,10 +388,11 @@ qcStatus qcBoxes_FindChangedPairs(qcBoxes* boxes, qcBoxChanges* changes)
         return qcFail(qc_statusBadInput, "qcBoxes_FindChangedPairs: boxes or changes is null");
     bool all = boxes->historyLost;
     QC_TRY(Search(boxes, CHANGED));
-    const qcBoxPair* pairs = boxes->pairs.data;
-    *changes = (qcBoxChanges){.began = pairs, .beganCount = boxes->began.count, .endedCount = boxes->ended.count};
-    changes->ended = pairs != NULL ? pairs + boxes->began.count : NULL;
-    changes->all = all;
+    *changes = (qcBoxChanges){.began = boxes->began.data,
+                              .beganCount = boxes->began.count,
+                              .ended = boxes->ended.data,
+                              .endedCount = boxes->ended.count,
+                              .all = all};
     return qc_statusOk;
 }
 

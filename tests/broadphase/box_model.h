@@ -179,7 +179,8 @@ static inline void qcModel_CheckLane(const qcModel* model, const qcOctet* octet,
     }
 }
 
-/// Checks that every lane bounds its box, or the octet below it, or is empty. Returns the number of boxes.
+/// Checks that every lane bounds its box, or the octet below it, or is empty, and that the lanes of boxes which have
+/// not moved are tight. Returns the number of boxes.
 static inline uint32_t qcModel_CheckTree(const qcModel* model, uint32_t number)
 {
     const qcBoxTree* tree = &model->set->forest.trees[number];
@@ -190,7 +191,12 @@ static inline uint32_t qcModel_CheckTree(const qcModel* model, uint32_t number)
         uint32_t id = QC_AT(uint32_t, tree->ids, i);
         const qcOctet* octet = &shape->octets[i / qc_lanes];
         if (id != QC_NO_BOX)
+        {
+            const qcBox* box = qcBoxes_Box(model->set, id);
+            bool tight = (QC_AT(uint8_t, tree->tight, i / qc_lanes) >> i % qc_lanes & 1) != 0;
             qcModel_CheckLane(model, octet, number, i, id);
+            CHECK_QUICKLY(tight == (box->stationary && box->exact));
+        }
         boxes += id != QC_NO_BOX;
         for (int k = 0; id == QC_NO_BOX && k < 3; k++)
             CHECK_QUICKLY(isnan(octet->lower[k][i % qc_lanes]) && isnan(octet->upper[k][i % qc_lanes]));

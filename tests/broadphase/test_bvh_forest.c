@@ -20,7 +20,7 @@ static uint32_t GrowTree(qcForest* forest, uint64_t seed, uint32_t count, bool i
             if (infinite && qcRandom_Below(&random, 20) == 0)
                 box.upper[k] = INFINITY;
         }
-        qcForest_Insert(forest, id, &box);
+        qcForest_Insert(forest, id, &box, false);
     }
     uint32_t tree;
     CHECK_OK(qcForest_MergeDynamic(forest, &tree));
