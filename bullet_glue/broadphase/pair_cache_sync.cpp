@@ -256,14 +256,21 @@ void qcPairCacheSync::AddBegun(const qcBoxChanges& changes)
     // Queries find all pairs.
     if (m_filterAll)
         return;
-    if (m_ownsCache && changes.beganCount <= size_t(INT_MAX))
-        static_cast<qcPairCache*>(m_cache)->ReserveMore(int(changes.beganCount));
+    qcPairCache* own = m_ownsCache ? static_cast<qcPairCache*>(m_cache) : nullptr;
+    const int known = m_cache->getNumOverlappingPairs();
+    const bool hasRoom =
+        own != nullptr && changes.beganCount <= size_t(INT_MAX) && own->ReserveMore(int(changes.beganCount));
+    bool appends = false;
     UpcomingPairs pairs[2];
     FetchProxies(changes, 0, pairs[0]);
     for (size_t first = 0, block = 0; first < changes.beganCount; first += qc_fetchedPairs, block++)
     {
         FetchProxies(changes, first + qc_fetchedPairs, pairs[(block + 1) % 2]);
-        AddFetched(pairs[block % 2]);
+        appends = appends || (hasRoom && own->CanAppend());
+        if (appends)
+            AppendFetched(pairs[block % 2], known);
+        else
+            AddFetched(pairs[block % 2]);
     }
 }
 
@@ -271,12 +278,21 @@ void qcPairCacheSync::AddBegun(const qcBoxChanges& changes)
 void qcPairCacheSync::FetchProxies(const qcBoxChanges& changes, size_t first, UpcomingPairs& pairs) const
 {
     pairs.count = 0;
+    // Pairs are in the order of the first box: mostly it is that of the previous pair.
+    uint32_t box = qc_noBox;
+    qcProxy* a = nullptr;
     for (size_t i = first; i < changes.beganCount && pairs.count < qc_fetchedPairs; i++)
     {
-        qcProxy *a = m_proxies.OfBox(changes.began[i].a), *b = m_proxies.OfBox(changes.began[i].b);
-        __builtin_prefetch(a);
-        __builtin_prefetch(b);
-        pairs.pair[pairs.count++] = {a, b, 0};
+        if (changes.began[i].a != box)
+        {
+            box = changes.began[i].a;
+            a = m_proxies.OfBox(box);
+            __builtin_prefetch(&a->m_collisionFilterGroup);
+        }
+        qcProxy* b = m_proxies.OfBox(changes.began[i].b);
+        __builtin_prefetch(&b->m_collisionFilterGroup);
+        __builtin_prefetch(&b->m_uniqueId);
+        pairs.pair[pairs.count++] = {a, b, 0, 0};
     }
 }
 
@@ -287,10 +303,30 @@ void qcPairCacheSync::AddFetched(UpcomingPairs& pairs)
     for (int i = 0; i < pairs.count; i++)
     {
         qcProxy *a = static_cast<qcProxy*>(pairs.pair[i].a), *b = static_cast<qcProxy*>(pairs.pair[i].b);
-        // Skips proxies that are queried again: their queries find these pairs.
-        if (!m_querying || (!m_proxies.NeedsQuery(a) && !m_proxies.NeedsQuery(b)))
+        if (IsNew(a, b))
             TestPair(a, b);
     }
+}
+
+/// Whether the pair of two boxes that began to overlap is new. Proxies that are queried again are skipped: their
+/// queries find these pairs.
+bool qcPairCacheSync::IsNew(const qcProxy* a, const qcProxy* b) const
+{
+    return !m_querying || (!m_proxies.NeedsQuery(a) && !m_proxies.NeedsQuery(b));
+}
+
+/// Adds pairs of which only those before index `known` of the cache are looked up: a search reports a pair once.
+void qcPairCacheSync::AppendFetched(UpcomingPairs& pairs, int known)
+{
+    qcPairCache* own = static_cast<qcPairCache*>(m_cache);
+    int count = 0;
+    for (int i = 0; i < pairs.count; i++)
+    {
+        qcProxy *a = static_cast<qcProxy*>(pairs.pair[i].a), *b = static_cast<qcProxy*>(pairs.pair[i].b);
+        pairs.pair[count] = pairs.pair[i];
+        count += IsNew(a, b) && !IsDestroyed(a) && !IsDestroyed(b) && own->qcPairCache::needsBroadphaseCollision(a, b);
+    }
+    own->Append(pairs.pair, count, known);
 }
 
 /// Removes the pairs that no longer overlap, and those added since the last search whose filters no longer agree.

@@ -114,6 +114,8 @@ class qcPairCacheSync
     void AddBegun(const qcBoxChanges& changes);
     void FetchProxies(const qcBoxChanges& changes, size_t first, UpcomingPairs& pairs) const;
     void AddFetched(UpcomingPairs& pairs);
+    void AppendFetched(UpcomingPairs& pairs, int known);
+    bool IsNew(const qcProxy* a, const qcProxy* b) const;
     void RemoveEnded(const qcBoxChanges& changes, btDispatcher* dispatcher);
     void UpdatePairs(const qcBoxChanges& changes, btDispatcher* dispatcher);
     bool IsAccepted(const btBroadphasePair& pair);
