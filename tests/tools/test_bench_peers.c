@@ -5,6 +5,7 @@
 #include "support/csv_rows.h"
 #include "common/mesh_io/decimate.h"
 #include "support/pairs.h"
+#include "bench/peers/peers.h"
 #include "bench/peers/triangles.h"
 #include "support/run_program.h"
 #include "support/suite.h"
@@ -127,6 +128,48 @@ static uint32_t CountPairs(const qcMesh* mesh, const float* positions)
     }
     return count;
 }
+
+START_TEST(coincident_triangles_have_corners_of_their_own_and_all_penetrate)
+{
+    enum
+    {
+        count = 20
+    };
+    qcMesh mesh;
+    ck_assert(qcBenchShapes_MakeCoincident(count, &mesh));
+    const float* p = mesh.positions;
+    ck_assert_uint_eq(mesh.triangleCount, count);
+    ck_assert_uint_eq(mesh.vertexCount, 3 * count);
+    ck_assert_uint_eq(CountPairs(&mesh, p), count * (count - 1) / 2);
+    for (size_t i = 0; i < 3 * count; ++i)
+    {
+        ck_assert_uint_eq(mesh.indices[i], i);
+        ck_assert_mem_eq(p + 3 * i, p + 3 * (i % 3), 3 * sizeof(float));
+    }
+    // In each frame of a motion, too: a vertex moves by its place.
+    static float positions[3 * 3 * count];
+    qcBenchMotion motion = qcBenchMotion_Make(&mesh, 1, qc_frames);
+    for (uint32_t frame = 0; frame < qc_frames; ++frame)
+    {
+        qcBenchMotion_Deform(&motion, &mesh, frame, positions);
+        ck_assert_uint_eq(CountPairs(&mesh, positions), count * (count - 1) / 2);
+    }
+    qcMesh_Free(&mesh);
+}
+END_TEST
+
+START_TEST(preprocessing_is_for_pairs_where_these_outnumber_triangles)
+{
+    const qcPeersTable table = {.triangleCount = 2000};
+    qcPeerRow ours = {.ms = 100.0, .pairs = 2000};
+    ck_assert(!qcPeersTable_GrowsWithPairs(&table, &ours));
+    ck_assert_double_eq_tol(qcPeersTable_Preprocessing(&table, &ours, 300.0), 10.0, 1e-9);
+    ck_assert_double_eq(qcPeersTable_Preprocessing(&table, &ours, 99.0), 0.0);
+    ours.pairs = 4000000;
+    ck_assert(qcPeersTable_GrowsWithPairs(&table, &ours));
+    ck_assert_double_eq_tol(qcPeersTable_Preprocessing(&table, &ours, 300.0), 0.05, 1e-9);
+}
+END_TEST
 
 //  ---- with the peers that were built --------------------------------------------------------------
 
@@ -343,6 +386,8 @@ int main(void)
     tcase_add_test(tcase, the_triangle_test_of_the_peers_is_exact);
     tcase_add_test(tcase, a_frame_moves_each_vertex_by_little_and_the_last_leads_to_the_first);
     tcase_add_test(tcase, a_decimated_mesh_has_about_the_requested_number_of_triangles);
+    tcase_add_test(tcase, coincident_triangles_have_corners_of_their_own_and_all_penetrate);
+    tcase_add_test(tcase, preprocessing_is_for_pairs_where_these_outnumber_triangles);
     // Where no peer was built there is nothing to compare.
     if (QC_BENCH_PEERS > 0)
     {

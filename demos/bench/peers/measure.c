@@ -305,34 +305,3 @@ bool qcPeers_Measure(const qcPeersOptions* options, const qcAnimation* animation
         return qcMessage_Fail(message, "%s: %s", qcPeerScene_Name(animation->index), broken);
     return prepared;
 }
-
-//  ---- rows ----------------------------------------------------------------------------------------
-
-const qcPeerRow* qcPeersTable_FindOurs(const qcPeersTable* table, uint32_t threads)
-{
-    for (uint32_t i = 0; i < table->rowCount; ++i)
-    {
-        const qcPeerRow* row = &table->rows[i];
-        if (row->threads == threads && row->entrant.library == NULL && row->entrant.method == qc_methodSweep)
-            return row;
-    }
-    return NULL;
-}
-
-const qcPeerRow* qcPeersTable_FindEmbree(const qcPeersTable* table, uint32_t threads)
-{
-    const qcPeerRow* best = NULL;
-    for (uint32_t i = 0; i < table->rowCount; ++i)
-    {
-        const qcPeerRow* row = &table->rows[i];
-        if (row->threads == threads && row->skipped[0] == 0 && strncmp(row->entrant.name, "embree", 6) == 0 &&
-            (best == NULL || row->ms < best->ms))
-            best = row;
-    }
-    return best;
-}
-
-double qcPeersTable_Preprocessing(const qcPeersTable* table, const qcPeerRow* ours, double ms)
-{
-    return ms > ours->ms ? 1e-3 * (ms - ours->ms) * 1e5 / table->triangleCount : 0.0;
-}

@@ -97,9 +97,11 @@ bool qcPeers_Measure(const qcPeersOptions* options, const qcAnimation* animation
 const qcPeerRow* qcPeersTable_FindOurs(const qcPeersTable* table, uint32_t threads);
 /// The quickest row of Embree with this number of threads; null: none ran.
 const qcPeerRow* qcPeersTable_FindEmbree(const qcPeersTable* table, uint32_t threads);
-/// Preprocessing in seconds for 100 K triangles: the time by which this step of ours, which took `ms`, exceeds later
-/// ones. The BVH is built in the first or the second step.
+/// Preprocessing in seconds: the time by which this step of ours, which took `ms`, exceeds later ones. The BVH is built
+/// in the first or the second step. For 100 K triangles, or for a million pairs where it grows with pairs.
 double qcPeersTable_Preprocessing(const qcPeersTable* table, const qcPeerRow* ours, double ms);
+/// Whether pairs outnumber triangles: then the memory of pairs takes most of a first step.
+bool qcPeersTable_GrowsWithPairs(const qcPeersTable* table, const qcPeerRow* ours);
 
 //  ---- reports -------------------------------------------------------------------------------------
 

@@ -78,9 +78,9 @@ static void PrintVerdict(const qcPeersTable* table, const qcPeerRow* ours)
 
 static void PrintNewTopology(const qcPeersTable* table, const qcPeerRow* ours)
 {
-    printf("  ours, a new topology, threads %" PRIu32
-           ": for 100 K triangles %.4f s in its first step, %.4f s in its second\n",
-           ours->threads, qcPeersTable_Preprocessing(table, ours, ours->firstMs),
+    printf("  ours, a new topology, threads %" PRIu32 ": for %s %.4f s in its first step, %.4f s in its second\n",
+           ours->threads, qcPeersTable_GrowsWithPairs(table, ours) ? "1 M pairs" : "100 K triangles",
+           qcPeersTable_Preprocessing(table, ours, ours->firstMs),
            qcPeersTable_Preprocessing(table, ours, ours->secondMs));
 }
 
