@@ -222,13 +222,13 @@ static uint32_t CountRows(const qcOption* rows)
     return count;
 }
 
-/// Marks every word of a list in which none is named.
-static void CompleteMarks(const qcOption* rows)
+/// Marks "all" of each list that is not given.
+static void CompleteMarks(const Parse* parse)
 {
-    for (; rows->name != NULL || rows->help != NULL; ++rows)
+    for (uint32_t i = 0; i < CountRows(parse->line->options); ++i)
     {
-        const qcOptionValue* value = &rows->value;
-        if (value->kind == qc_optionMarks && memchr(value->target, true, value->capacity) == NULL)
+        const qcOptionValue* value = &parse->line->options[i].value;
+        if (value->kind == qc_optionMarks && !parse->given[i])
             memset(value->target, true, value->capacity);
     }
 }
@@ -273,7 +273,7 @@ static error_t ReadOption(int key, char* text, struct argp_state* state)
                 argp_error(state, "no %.*s is named", (int)strcspn(line->arguments, "."), line->arguments);
             return 0;
         case ARGP_KEY_END:
-            CompleteMarks(line->options);
+            CompleteMarks(parse);
             if (line->complete != NULL)
                 line->complete(state, line->context);
             return 0;

@@ -82,7 +82,8 @@ qcOptionValue qcOption_Views(char (*target)[4]);
 /// "1,2,5", in place of a default list.
 qcOptionValue qcOption_Numbers(uint32_t* targets, uint32_t* count, uint32_t capacity, uint32_t lowest, uint32_t highest,
                                bool distinct);
-/// "a,b,c": sets the flag at each word's value; a negative value sets all. If none is named, all are set.
+/// "a,b,c": sets the flag at each word's value; a negative value sets all. If none is named, all are set. All: the
+/// first `count`; a word with a larger value has to be named.
 qcOptionValue qcOption_Marks(bool* targets, uint32_t count, const qcWord* words);
 /// "a,b,c": each word goes to `take`, with `context`.
 qcOptionValue qcOption_Texts(qcTakeText* take, void* context);

@@ -1,4 +1,5 @@
 // `qc-bench first` as a user runs it: the columns agree with each other, mistakes are refused.
+#include "common/options.h"
 #include "support/csv_rows.h"
 #include "support/run_program.h"
 #include "support/suite.h"
@@ -64,6 +65,32 @@ START_TEST(a_missing_model_is_skipped)
 }
 END_TEST
 
+START_TEST(all_are_the_words_below_the_count_and_others_have_to_be_named)
+{
+    static const struct
+    {
+        const char* argument;
+        bool marks[3];
+    } lists[] = {{"--names=all", {true, true, false}},
+                 {"--names=vast", {false, false, true}},
+                 {"--names=all,vast", {true, true, true}},
+                 {"", {true, true, false}}};
+    for (size_t i = 0; i < sizeof lists / sizeof lists[0]; ++i)
+    {
+        const qcWord words[] = {{"all", -1}, {"small", 0}, {"large", 1}, {"vast", 2}, {NULL, 0}};
+        bool marks[3] = {false};
+        const qcOption rows[] = {{1, "names", "LIST", "", qcOption_Marks(marks, 2, words)}, {0}};
+        qcCommandLine line = {.options = rows, .help = ""};
+        // The words of a list are separated in place.
+        char program[] = "program", argument[32] = "";
+        char* arguments[] = {program, argument, NULL};
+        strcpy(argument, lists[i].argument);
+        qcCommandLine_Parse(&line, argument[0] != 0 ? 2 : 1, arguments);
+        ck_assert_mem_eq(marks, lists[i].marks, sizeof marks);
+    }
+}
+END_TEST
+
 START_TEST(a_mistake_is_refused_with_a_message_that_names_it)
 {
     static const CommandMistake wrong[] = {
@@ -98,6 +125,7 @@ int main(void)
     tcase_set_timeout(tcase, 300); // a bound against hanging, not a claim about speed
     tcase_add_test(tcase, each_step_of_a_life_finds_the_pairs_that_others_find);
     tcase_add_test(tcase, without_embree_our_own_steps_are_measured);
+    tcase_add_test(tcase, all_are_the_words_below_the_count_and_others_have_to_be_named);
     tcase_add_test(tcase, a_missing_model_is_skipped);
     tcase_add_test(tcase, a_mistake_is_refused_with_a_message_that_names_it);
     tcase_add_test(tcase, a_file_that_is_no_mesh_is_named);

@@ -13,7 +13,7 @@ enum
 
 typedef struct qcFirstOptions
 {
-    bool scenes[qc_peerSceneCount];
+    bool scenes[qc_peerSceneRecipes];
     uint32_t threads[qc_maxPeerThreads];
     uint32_t threadsCount;
     uint32_t steps, rounds;

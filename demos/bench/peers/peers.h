@@ -12,7 +12,8 @@
 enum
 {
     qc_peerSceneCount = 14,
-    qc_peerLibraryMethods = 4, // of one library, at most
+    qc_peerSceneRecipes = qc_peerSceneCount + 1, // with cloth-20m, which only "qc-bench first" has
+    qc_peerLibraryMethods = 4,                   // of one library, at most
     qc_maxPeerMethods = 2 + qc_peerLibraryCount * qc_peerLibraryMethods,
     qc_maxPeerFrames = 32,
     qc_maxPeerRounds = 16,
@@ -36,7 +37,7 @@ void qcPeers_ReadOptions(int argumentCount, char** arguments, qcPeersOptions* op
 
 //  ---- scenes ------------------------------------------------------------------------------------
 
-/// "cloth-20k"; `index` below qc_peerSceneCount.
+/// "cloth-20k"; `index` below qc_peerSceneRecipes.
 const char* qcPeerScene_Name(int index);
 const char* qcPeerScene_Title(int index);
 

@@ -29,7 +29,7 @@ typedef struct Recipe
     double wrinkles; ///< of a cloth
 } Recipe;
 
-static const Recipe s_recipes[qc_peerSceneCount] = {
+static const Recipe s_recipes[qc_peerSceneRecipes] = {
     {"cloth-1k", "folded cloth with itself", qc_animatedSelf, source_cloth, 22, 1, 1.0},
     {"cloth-20k", "folded cloth with itself", qc_animatedSelf, source_cloth, 100, 1, 1.0},
     {"tangle-20k", "tangled cloth with itself", qc_animatedSelf, source_cloth, 100, 1, 2.5},
@@ -44,6 +44,7 @@ static const Recipe s_recipes[qc_peerSceneCount] = {
     {"bunnies-8", "8 bunnies, deforming", qc_animatedDeforming, source_bunny, 0, 8, 0.0},
     {"rigid-27", "27 decimated bunnies, rigid", qc_animatedRigid, source_bunny, 5000, 27, 0.0},
     {"rigid-8", "8 bunnies, rigid", qc_animatedRigid, source_bunny, 0, 8, 0.0},
+    {"cloth-20m", "folded cloth with itself", qc_animatedSelf, source_cloth, 3163, 1, 1.0},
 };
 
 const char* qcPeerScene_Name(int index)
