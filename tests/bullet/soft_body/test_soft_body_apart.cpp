@@ -82,6 +82,41 @@ START_TEST(cloths_thrown_at_each_other_keep_momentum_and_gain_no_energy)
 }
 END_TEST
 
+/// The momentum along the thrown cloth that it gives to the other one in a step in which planes alone hold them apart;
+/// `normal`: that across it.
+static double SidewaysMomentum(btScalar sideways, btScalar friction, double* normal)
+{
+    FlyingWorld world;
+    qcSoftBodySettings settings;
+    settings.friction = friction;
+    btSoftBody* hit = world.Add(1, 0, 0, 16);
+    btSoftBody* thrown = world.Add(btScalar(0.5), btScalar(0.1), btScalar(0.02), 9);
+    for (btSoftBody* cloth : world.cloths)
+        world.softSolver.setSettings(cloth, settings);
+    thrown->setVelocity(btVector3(sideways, -20, 0));
+    world.Step();
+    ck_assert_int_eq(world.softSolver.getStatistics().contacts, 0);
+    ck_assert_int_gt(world.softSolver.getStatistics().planes, 100);
+    *normal = -double(qcMomentumOf(hit).y());
+    return double(qcMomentumOf(hit).x());
+}
+
+START_TEST(planes_have_coulomb_friction)
+{
+    double normal = 0;
+    // The cloths give each other 5 kg m/s. The slow one sticks: both would move at 1 m/s if they were rigid.
+    double smooth = SidewaysMomentum(2, 0, &normal), stuck = SidewaysMomentum(2, btScalar(0.5), &normal);
+    ck_assert_double_lt(smooth, 0.1);
+    ck_assert_double_gt(stuck, 0.5);
+    ck_assert_double_lt(stuck, 1);
+    // The quick one slides. Without friction it gives some momentum, since it is bent.
+    smooth = SidewaysMomentum(10, 0, &normal);
+    double slid = SidewaysMomentum(10, btScalar(0.2), &normal) - smooth;
+    ck_assert_double_gt(slid, 0.6 * 0.2 * normal);
+    ck_assert_double_lt(slid, 0.2 * normal);
+}
+END_TEST
+
 #ifdef QC_BUNNY
 START_TEST(a_cloth_over_a_pile_of_moving_meshes_does_not_hang)
 {
@@ -268,6 +303,7 @@ static int RunAll()
     TCase* tests = tcase_create("apart");
     tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
     qcAddLoop(tests, cloths_thrown_at_each_other_keep_momentum_and_gain_no_energy, 3);
+    tcase_add_test(tests, planes_have_coulomb_friction);
 #ifdef QC_BUNNY
     tcase_add_test(tests, a_cloth_over_a_pile_of_moving_meshes_does_not_hang);
 #endif
