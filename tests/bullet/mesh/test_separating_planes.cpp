@@ -190,6 +190,32 @@ START_TEST(points_of_cubes_on_each_other_are_the_corners_of_the_common_area)
 }
 END_TEST
 
+START_TEST(corners_over_two_layers_have_points_on_the_nearer_one)
+{
+    // A box in a box, whose tops are 5 mm apart, and a cube 3 mm above both.
+    qcModel layers = Box(btScalar(0.5), btScalar(0.5), btScalar(0.5)),
+            inner = Box(btScalar(0.4), btScalar(0.495), btScalar(0.4));
+    uint32_t first = uint32_t(layers.positions.size() / 3);
+    layers.positions.insert(layers.positions.end(), inner.positions.begin(), inner.positions.end());
+    for (uint32_t index : inner.indices)
+        layers.indices.push_back(first + index);
+    Placed below(layers, btTransform::getIdentity());
+    Placed above(Box(btScalar(0.2), btScalar(0.2), btScalar(0.2)),
+                 btTransform(btQuaternion::getIdentity(), btVector3(btScalar(0.05), btScalar(0.703), btScalar(0.02))));
+    for (int way = 0; way < 2; way++)
+    {
+        const qcPlacedSupport &a = way == 0 ? below.at : above.at, &b = way == 0 ? above.at : below.at;
+        qcSeparation found = qcFindSeparation(a, b, btVector3(0, 0, 0), BT_LARGE_FLOAT, btScalar(1e-4));
+        std::vector<qcMeshPoint> points;
+        qcPlaneContact contact;
+        ck_assert(contact.Find(a, b, found, btScalar(0.01), false, &points));
+        ck_assert_uint_ge(points.size(), 4);
+        for (const qcMeshPoint& point : points)
+            ck_assert_double_eq_tol(double(point.distance), 0.003, 1e-5);
+    }
+}
+END_TEST
+
 START_TEST(points_lie_on_both_meshes_and_one_is_where_they_are_nearest)
 {
     int found = 0, unknown = 0;
@@ -317,6 +343,7 @@ END_TEST
 QC_RUN_TESTS("separating planes", the_gap_of_convex_meshes_is_their_distance, no_axis_has_a_gap_beyond_the_distance,
              bodies_that_meet_at_two_edges_have_a_plane_between_them,
              points_of_cubes_on_each_other_are_the_corners_of_the_common_area,
+             corners_over_two_layers_have_points_on_the_nearer_one,
              points_lie_on_both_meshes_and_one_is_where_they_are_nearest,
              boxes_cut_from_one_touch_at_corners_of_the_cut,
              boxes_that_are_apart_overlap_or_have_no_common_corners_do_not_touch,

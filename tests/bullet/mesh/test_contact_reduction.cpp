@@ -1,0 +1,97 @@
+// The points of a pair that are kept for Bullet's manifold: the deepest one, and those that carry the body.
+#include "mesh_contact/contact_reduction.h"
+#include "support/suite.h"
+
+#include <algorithm>
+
+namespace
+{
+constexpr btScalar s_contactDistance = btScalar(0.02), s_minSpacing = btScalar(0.01);
+
+/// A point on a floor, under a body.
+qcMeshPoint PointAt(btScalar x, btScalar z, btScalar distance)
+{
+    qcMeshPoint point;
+    point.onB = btVector3(x, 0, z);
+    point.onA = btVector3(x, distance, z);
+    point.normal = btVector3(0, 1, 0);
+    point.distance = distance;
+    return point;
+}
+
+/// The corners of a square of 1 m that hover by a millimetre, and a point in its middle.
+std::vector<qcMeshPoint> SquareWithMiddle(btScalar middle)
+{
+    std::vector<qcMeshPoint> points = {PointAt(0, 0, middle)};
+    for (btScalar x : {btScalar(-0.5), btScalar(0.5)})
+        for (btScalar z : {btScalar(-0.5), btScalar(0.5)})
+            points.push_back(PointAt(x, z, btScalar(0.001)));
+    return points;
+}
+
+int CountCorners(const qcPointGroup& group)
+{
+    return int(std::count_if(group.points, group.points + group.count,
+                             [](const qcMeshPoint* point) { return btFabs(point->onB.x()) > btScalar(0.4); }));
+}
+} // namespace
+
+START_TEST(four_corners_carry_a_body_and_not_three_and_a_middle_that_is_hardly_deeper)
+{
+    std::vector<qcMeshPoint> points = SquareWithMiddle(0);
+    qcPointGroup group;
+    ck_assert_int_eq(qcGroupPoints(&points, s_contactDistance, s_minSpacing, 1, &group), 1);
+    ck_assert_int_eq(group.count, 4);
+    ck_assert_int_eq(CountCorners(group), 4);
+}
+END_TEST
+
+START_TEST(a_deep_point_is_kept_wherever_it_is)
+{
+    std::vector<qcMeshPoint> points = SquareWithMiddle(btScalar(-0.01));
+    qcPointGroup group;
+    ck_assert_int_eq(qcGroupPoints(&points, s_contactDistance, s_minSpacing, 1, &group), 1);
+    ck_assert_int_eq(group.count, 4);
+    ck_assert_int_eq(CountCorners(group), 3);
+    ck_assert_double_eq_tol(double(group.points[0]->distance), -0.01, 1e-6);
+}
+END_TEST
+
+START_TEST(a_wide_point_at_the_contact_distance_does_not_replace_one_that_carries)
+{
+    // Three points carry; a fourth one is near them, another one far away, but hardly in contact.
+    std::vector<qcMeshPoint> points = {PointAt(0, 0, 0), PointAt(1, 0, 0), PointAt(0, 1, 0), PointAt(1, 1, 0),
+                                       PointAt(-5, -5, btScalar(0.0199))};
+    qcPointGroup group;
+    ck_assert_int_eq(qcGroupPoints(&points, s_contactDistance, s_minSpacing, 1, &group), 1);
+    ck_assert_int_eq(group.count, 4);
+    for (int i = 0; i < group.count; i++)
+        ck_assert_double_eq(double(group.points[i]->distance), 0);
+}
+END_TEST
+
+START_TEST(points_of_the_previous_step_are_preferred_to_equal_ones)
+{
+    // A ring of 16 equal points, four of which are known.
+    for (int shift = 0; shift < 4; shift++)
+    {
+        std::vector<qcMeshPoint> points;
+        for (int i = 0; i < 16; i++)
+        {
+            btScalar angle = SIMD_2_PI * btScalar(i) / 16;
+            points.push_back(PointAt(btCos(angle), btSin(angle), 0));
+            points.back().isKnown = i % 4 == shift;
+        }
+        qcPointGroup group;
+        ck_assert_int_eq(qcGroupPoints(&points, s_contactDistance, s_minSpacing, 1, &group), 1);
+        ck_assert_int_eq(group.count, 4);
+        for (int i = 0; i < 4; i++)
+            ck_assert(group.points[i]->isKnown);
+    }
+}
+END_TEST
+
+QC_RUN_TESTS("contact reduction", four_corners_carry_a_body_and_not_three_and_a_middle_that_is_hardly_deeper,
+             a_deep_point_is_kept_wherever_it_is,
+             a_wide_point_at_the_contact_distance_does_not_replace_one_that_carries,
+             points_of_the_previous_step_are_preferred_to_equal_ones)
