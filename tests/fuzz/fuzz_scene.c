@@ -13,7 +13,8 @@ enum
 {
     qc_slots = 4,
     qc_usualSide = 5, ///< of a sheet, in squares: one leaf of a BVH
-    qc_maxSide = 9,   ///< of one sheet in a scene, since brute force takes a step of each
+    qc_largeSide = 9, ///< of one sheet in a scene, since brute force takes a step of each
+    qc_maxSide = 23,  ///< without pairs of its own: 1024 triangles and more, whose BVH may be limited
     qc_maxVertices = (qc_maxSide + 1) * (qc_maxSide + 1),
     qc_maxTriangles = 2 * qc_maxSide * qc_maxSide,
     qc_maxFreeVertices = 12, ///< of a body whose coordinates are in the input
@@ -142,7 +143,8 @@ static void MakeSheet(World* w, Body* body)
     uint8_t way = Fuzz_TakeByte(&w->bytes);
     bool isLarge = way >= 240 && !w->hasLarge;
     w->hasLarge = w->hasLarge || isLarge;
-    uint32_t side = isLarge ? qc_maxSide - way % 4u : 1u + way % qc_usualSide;
+    uint32_t largest = body->def.selfCollision ? qc_largeSide - way % 4u : qc_maxSide;
+    uint32_t side = isLarge ? largest : 1u + way % qc_usualSide;
     uint32_t across = side + 1, noise = Fuzz_TakeByte(&w->bytes);
     uint32_t most = 1 + Fuzz_TakeBelow(&w->bytes, 8);
     double at[3];
@@ -184,12 +186,13 @@ static bool MakeSoup(World* w, Body* body)
     return isGood;
 }
 
-/// Other positions: single coordinates, or all at once, by a bend across one axis.
+/// Other positions: single coordinates, anywhere or by little, or all at once, by a bend across one axis.
 static void ChangePositions(World* w, double* positions, uint32_t count)
 {
     uint8_t way = Fuzz_TakeByte(&w->bytes);
     uint32_t axis = way >> 4 & 3u;
-    if (axis < 3)
+    bool byLittle = (way & 8) != 0;
+    if (axis < 3 && !byLittle)
     {
         double most = TakeCoordinate(w) / 8.0;
         uint32_t period = 1 + Fuzz_TakeBelow(&w->bytes, 16);
@@ -199,7 +202,7 @@ static void ChangePositions(World* w, double* positions, uint32_t count)
     for (uint32_t i = way % 8; i > 0 && count > 0; i--)
     {
         uint32_t at = Fuzz_TakeBelow(&w->bytes, 3 * count);
-        positions[at] = TakeCoordinate(w);
+        positions[at] = byLittle ? positions[at] + TakeCoordinate(w) / 8.0 : TakeCoordinate(w);
     }
 }
 
@@ -289,7 +292,8 @@ static void Switch(World* w, Body* body)
             FUZZ_CHECK(qcScene_SetActivity(w->scene, body->id, def->activity) == qc_statusOk);
             break;
         case 1:
-            def->selfCollision = !def->selfCollision;
+            // Brute force would take long for the pairs of the largest sheet.
+            def->selfCollision = !def->selfCollision && def->vertexCount <= (qc_largeSide + 1) * (qc_largeSide + 1);
             FUZZ_CHECK(qcScene_SetSelfCollision(w->scene, body->id, def->selfCollision) == qc_statusOk);
             break;
         case 2:
