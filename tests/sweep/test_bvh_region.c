@@ -299,6 +299,37 @@ START_TEST(a_box_near_a_covered_one_meets_a_marked_cell)
 }
 END_TEST
 
+/// A coordinate in cells, in the steps in which the cluster order maps the corners of triangles.
+static float InCells(const qcRegionCells* cells, double x)
+{
+    return (float)((x - cells->lower[0]) * (cells->scale / (3.0 * qc_cellsAlong))) * (3.0f * qc_cellsAlong);
+}
+
+START_TEST(triangles_that_rounding_moves_into_the_next_cell_meet_a_marked_one)
+{
+    qcRandom random = {9};
+    int moved = 0;
+    for (int i = 0; i < 20000; i++)
+    {
+        // A box ends next to the border of two cells, where a triangle begins.
+        qcRegionCells cells;
+        const double lower[3] = {-1.0, 0.0, 0.0}, upper[3] = {2.0 + qcRandom_Uniform(&random, 0.0, 1.0), 1.0, 1.0};
+        ck_assert(qcRegionCells_Begin(&cells, lower, upper));
+        uint32_t border = 1 + qcRandom_Below(&random, qc_cellsAlong - 1);
+        double sign = i % 2 == 0 ? 1.0 : -1.0, aside = pow(10.0, qcRandom_Uniform(&random, -12.0, -7.0)),
+               end = -1.0 + border / cells.scale - sign * aside, far = end - sign * 0.1;
+        const double from[3] = {fmin(end, far), 0.5, 0.5}, to[3] = {fmax(end, far), 0.5, 0.5};
+        qcRegionCells_Mark(&cells, from, to, 0.0);
+        ck_assert(qcRegionCells_AreMarked(&cells, from, to, 0.0));
+        float at = InCells(&cells, end), row = (float)(0.5 * cells.scale);
+        const qcFourFloats corner = {at, row, row, 0.0f};
+        ck_assert(qcRegionCells_Meet(&cells, corner, corner));
+        moved += (uint32_t)at != (sign > 0.0 ? border - 1 : border);
+    }
+    ck_assert_int_gt(moved, 1000);
+}
+END_TEST
+
 START_TEST(boxes_without_extent_or_beyond_single_precision_have_no_cells)
 {
     const double ends[] = {0.0, 0x1p-101, 0x1p-99, 1.0, 0x1p99, 0x1p101, INFINITY};
@@ -315,4 +346,5 @@ QC_RUN_TESTS("bvh_region", sheets_that_deform_in_their_places_keep_their_limited
              sheets_that_drift_and_jump_miss_no_pair, a_larger_distance_a_new_body_and_a_motion_have_all_pairs,
              after_a_failed_allocation_the_same_step_has_all_pairs,
              the_displacement_is_the_greatest_change_of_any_coordinate, a_box_near_a_covered_one_meets_a_marked_cell,
+             triangles_that_rounding_moves_into_the_next_cell_meet_a_marked_one,
              boxes_without_extent_or_beyond_single_precision_have_no_cells)

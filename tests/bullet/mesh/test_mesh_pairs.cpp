@@ -304,10 +304,33 @@ START_TEST(a_shape_that_changes_while_its_pair_is_apart_is_queried_when_they_mee
     ck_assert_double_eq_tol(double(world.cube->getWorldTransform().getOrigin().y()), double(place.y()) + 0.02, 2e-3);
 }
 END_TEST
+
+START_TEST(ends_of_a_known_point_move_with_their_meshes_and_ahead_of_contact_lie_along_the_normal)
+{
+    Random random(5);
+    for (int run = 0; run < 1000; run++)
+    {
+        qcKnownPoint known = {0, 0, false, {}};
+        known.point.onA = DrawVector(&random, 1);
+        known.point.onB = DrawVector(&random, 1);
+        known.point.normal = DrawVector(&random, 1).normalized();
+        btTransform a = DrawMotion(&random, 1, 3), b = DrawMotion(&random, 1, 3);
+        btVector3 onA = a * known.point.onA, onB = b * known.point.onB;
+        qcMeshPoint carried = known.At(a, b);
+        ck_assert_double_lt(double((carried.onA - onA).length() + (carried.onB - onB).length()), 1e-5);
+        known.isAhead = true;
+        qcMeshPoint aligned = known.At(a, b);
+        ck_assert_double_eq_tol(double(aligned.distance), double(carried.distance), 1e-5);
+        ck_assert_double_lt(double((aligned.onA - aligned.onB - aligned.distance * aligned.normal).length()), 1e-5);
+        ck_assert_double_lt(double((aligned.onA + aligned.onB - onA - onB).length()), 1e-5);
+    }
+}
+END_TEST
 } // namespace
 
 QC_RUN_TESTS("mesh pairs", no_pair_that_stays_apart_meets_on_the_way,
              no_pair_is_nearer_than_the_gap_that_its_motion_leaves, no_points_of_two_boxes_are_nearer_than_their_gap,
              meshes_whose_boxes_are_apart_are_not_queried_until_they_come_near,
              a_pair_at_rest_is_not_queried_while_another_moves, bodies_that_move_as_one_are_queried_once,
-             a_shape_that_changes_while_its_pair_is_apart_is_queried_when_they_meet_again)
+             a_shape_that_changes_while_its_pair_is_apart_is_queried_when_they_meet_again,
+             ends_of_a_known_point_move_with_their_meshes_and_ahead_of_contact_lie_along_the_normal)
