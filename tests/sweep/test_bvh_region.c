@@ -243,6 +243,21 @@ START_TEST(the_displacement_is_the_greatest_change_of_any_coordinate)
 }
 END_TEST
 
+START_TEST(distance_displacement_and_rounding_reach_together)
+{
+    // Cells of 1. Any two of three lengths of 0.55 stay within the next cell, all three leave it.
+    const double lower[3] = {0.0, 0.0, 0.0}, upper[3] = {qc_cellsAlong, qc_cellsAlong, qc_cellsAlong};
+    const qcBody other = {.lower = {5.5, 5.5, 5.5}, .upper = {5.5, 5.5, 5.5}};
+    for (int without = 0; without < 4; without++)
+    {
+        qcBvhRegion region = {.displacement = without == 1 ? 0.0 : 0.55, .rounding = without == 2 ? 0.0 : 0.55};
+        ck_assert(qcRegionCells_Begin(&region.cells, lower, upper));
+        qcBvhRegion_Include(&region, &other, 0.2);
+        ck_assert_int_eq(qcBvhRegion_Covers(&region, &other, without == 3 ? 0.0 : 0.55), without != 0);
+    }
+}
+END_TEST
+
 //  ---- cells ---------------------------------------------------------------------------------------
 
 static bool Overlap(const double lowerA[3], const double upperA[3], const double lowerB[3], const double upperB[3],
@@ -345,6 +360,7 @@ END_TEST
 QC_RUN_TESTS("bvh_region", sheets_that_deform_in_their_places_keep_their_limited_bvhs,
              sheets_that_drift_and_jump_miss_no_pair, a_larger_distance_a_new_body_and_a_motion_have_all_pairs,
              after_a_failed_allocation_the_same_step_has_all_pairs,
-             the_displacement_is_the_greatest_change_of_any_coordinate, a_box_near_a_covered_one_meets_a_marked_cell,
+             the_displacement_is_the_greatest_change_of_any_coordinate,
+             distance_displacement_and_rounding_reach_together, a_box_near_a_covered_one_meets_a_marked_cell,
              triangles_that_rounding_moves_into_the_next_cell_meet_a_marked_one,
              boxes_without_extent_or_beyond_single_precision_have_no_cells)
