@@ -206,12 +206,12 @@ START_TEST(a_limited_order_is_completed_behind_its_slots)
         lower[i % 3] = fmin(lower[i % 3], soup.positions[i]);
         upper[i % 3] = fmax(upper[i % 3], soup.positions[i]);
     }
-    // A corner of the cloth, nothing, and all of it.
-    const double shares[] = {0.3, -1.0, 1.0};
+    // A corner of the cloth, nothing, all of it, and nearly all, of which none is left out either.
+    const double shares[][2] = {{0.3, 1.0}, {-1.0, 1.0}, {1.0, 1.0}, {1.0, 0.9}};
     for (uint32_t i = 0; i < 3 * LENGTH(shares); i++)
     {
-        double share = shares[i % LENGTH(shares)],
-               end[3] = {lower[0] + share * (upper[0] - lower[0]), upper[1], upper[2]};
+        double share = shares[i % LENGTH(shares)][0], across = shares[i % LENGTH(shares)][1],
+               end[3] = {lower[0] + share * (upper[0] - lower[0]), lower[1] + across * (upper[1] - lower[1]), upper[2]};
         qcRegionCells region;
         qcOrderSummary summary;
         qcArray slots = {0}, first = {0};
