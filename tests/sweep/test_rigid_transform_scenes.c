@@ -308,6 +308,43 @@ START_TEST(faces_that_coincide_touch_and_those_at_the_margin_are_within_it)
 }
 END_TEST
 
+START_TEST(a_plate_between_two_others_is_within_the_margin_of_one)
+{
+    // No box of the plate meets a box of the others, in whose lattice it lies: only the margin brings them together.
+    qcSoup soups[2] = {qcSoup_MakeGrid(12), qcSoup_MakeSheets(2, 12, 1.0)};
+    qcRandom random = {17};
+    for (int i = 0; i < 12; i++)
+    {
+        const double gap = 0.2;
+        double rotation[9];
+        qcMakeRotation(&random, rotation);
+        qcScene* scene = qcMakeScene(NULL);
+        for (int side = 0; side < 2; side++)
+        {
+            int soup = i % 2 == 0 ? side : 1 - side;
+            qcBodyDef def = qcBodyDefOf(&soups[soup]);
+            def.selfCollision = false;
+            memcpy(def.transform.linear, rotation, sizeof rotation);
+            for (int axis = 0; axis < 3 && soup == 0; axis++)
+                def.transform.translation[axis] = gap * rotation[3 * axis + 2];
+            qcBodyId id;
+            CHECK_OK(qcScene_AddBody(scene, &def, &id));
+        }
+        Totals within = {0}, beyond = {0};
+        qcDetectDef def = qcDefaultDetectDef();
+        def.margin = 1.01 * gap;
+        CheckStep(scene, def, "within the margin", &within);
+        ck_assert_uint_ge(within.pairs, soups[0].triangleCount);
+        def.margin = 0.99 * gap;
+        CheckStep(scene, def, "beyond the margin", &beyond);
+        ck_assert_uint_eq(beyond.pairs, 0);
+        qcScene_Destroy(scene);
+    }
+    for (int i = 0; i < 2; i++)
+        qcSoup_Free(&soups[i]);
+}
+END_TEST
+
 START_TEST(bodies_that_shrink_to_a_point_touch)
 {
     // Products below the smallest double are 0: both bodies become one point.
@@ -341,4 +378,5 @@ END_TEST
 
 QC_RUN_TESTS("rigid_transform_scenes", rigid_bodies_have_the_pairs_of_brute_force_anywhere,
              a_vertex_that_stands_on_another_body_touches_it,
-             faces_that_coincide_touch_and_those_at_the_margin_are_within_it, bodies_that_shrink_to_a_point_touch)
+             faces_that_coincide_touch_and_those_at_the_margin_are_within_it,
+             a_plate_between_two_others_is_within_the_margin_of_one, bodies_that_shrink_to_a_point_touch)
