@@ -279,6 +279,38 @@ START_TEST(cloths_that_cross_along_common_positions_fall_freely_and_come_apart)
 }
 END_TEST
 
+/// Angular momentum about the vertical through the origin, around which both cloths lie.
+static double SpinOf(const qcTangledWorld& world)
+{
+    btScalar sum = 0;
+    for (const btSoftBody* cloth : world.cloths)
+        for (int i = 0; i < cloth->m_nodes.size(); i++)
+            sum += cloth->m_nodes[i].m_x.cross(cloth->m_nodes[i].m_v).y() / cloth->m_nodes[i].m_im;
+    return double(sum);
+}
+
+START_TEST(cloths_that_move_as_one_keep_spinning)
+{
+    qcTangledWorld world;
+    qcMakeCrossedAtNodes(&world);
+    for (btSoftBody* cloth : world.cloths)
+        for (int i = 0; i < cloth->m_nodes.size(); i++)
+            cloth->m_nodes[i].m_v = btVector3(0, 1, 0).cross(cloth->m_nodes[i].m_x);
+    const double start = SpinOf(world);
+    int zoneNodes = 0;
+    for (int step = 0; step < 10; step++)
+    {
+        world.Step();
+        CheckStep(world);
+        zoneNodes += world.softSolver.getStatistics().zoneNodes;
+    }
+    // The touching rows of both are zones in each step. They keep four fifths of the spin, and would keep a quarter if
+    // zones did not rotate.
+    ck_assert_int_gt(zoneNodes, 500);
+    ck_assert_double_gt(SpinOf(world), start / 2);
+}
+END_TEST
+
 static int RunAll()
 {
     Suite* suite = suite_create("soft tangles");
@@ -292,6 +324,7 @@ static int RunAll()
     tcase_add_test(tests, a_tangle_with_a_free_mesh_keeps_momentum);
     tcase_add_loop_test(tests, surfaces_that_touch_at_the_start_come_apart, 0, 2);
     tcase_add_test(tests, cloths_that_cross_along_common_positions_fall_freely_and_come_apart);
+    tcase_add_test(tests, cloths_that_move_as_one_keep_spinning);
     suite_add_tcase(suite, tests);
     return qcRunSuite(suite);
 }
