@@ -303,6 +303,36 @@ START_TEST(margins_may_change_while_bodies_rest)
 }
 END_TEST
 
+START_TEST(bodies_rest_at_the_sum_of_different_margins)
+{
+    for (int way = 0; way < 4; way++)
+    {
+        // The thick one is the cube or the floor, and the first or the second in the world.
+        const btScalar margins[2] = {way % 2 == 0 ? btScalar(0.2) : btScalar(0.01),
+                                     way % 2 == 0 ? btScalar(0.01) : btScalar(0.2)};
+        qcMeshWorld world;
+        btCollisionShape *cubeShape = world.Keep(qcCubeModel().MakeShape(margins[0])),
+                         *floorShape = world.Keep(qcFloorModel(4, 4).MakeShape(margins[1]));
+        btRigidBody *cube = nullptr, *floor = nullptr;
+        for (int i = 0; i < 2; i++)
+            if (i == way / 2)
+                cube = world.Add(cubeShape, 1, btVector3(0, btScalar(0.72), 0));
+            else
+                floor = world.Add(floorShape, 0, btVector3(0, 0, 0));
+        cube->setActivationState(DISABLE_DEACTIVATION);
+        btScalar lowest = 1;
+        for (int step = 0; step < 60; step++)
+        {
+            world.Step();
+            lowest = std::min(lowest, cube->getWorldTransform().getOrigin().y());
+        }
+        double rest = 0.5 + 0.21 + double(floor->getWorldTransform().getOrigin().y());
+        ck_assert_double_eq_tol(double(cube->getWorldTransform().getOrigin().y()), rest, 1e-3);
+        ck_assert_double_gt(double(lowest), rest - 2e-3);
+    }
+}
+END_TEST
+
 /// The lowest height of a cloth's node, ever, while it falls on a floor at height 0.
 double LowestNode(btCollisionShape* floor)
 {
@@ -392,5 +422,5 @@ QC_RUN_TESTS("mesh_contact", contact_tests_use_present_transforms, normals_point
              the_deepest_point_is_in_a_manifold_whatever_lies_beside_it, gimpact_pairs_can_be_taken_over,
              one_query_a_step_covers_all_pairs, a_body_replaced_by_pieces_between_two_steps_costs_one_query,
              a_shape_may_be_scaled_while_it_rests, margins_may_change_while_bodies_rest,
-             a_soft_body_lies_on_a_mesh_as_on_bullets_static_mesh, the_same_calls_give_the_same_trajectories,
-             methods_that_miss_pairs_are_refused)
+             bodies_rest_at_the_sum_of_different_margins, a_soft_body_lies_on_a_mesh_as_on_bullets_static_mesh,
+             the_same_calls_give_the_same_trajectories, methods_that_miss_pairs_are_refused)
