@@ -29,7 +29,7 @@ show_drivers()
     echo "Entries of EGL drivers: $(find /etc/glvnd /usr/share/glvnd -name '*.json' 2>/dev/null | tr '\n' ' ')"
 }
 
-# run_tests KIND: each test must run on a device of the kind, with all kernels.
+# run_tests KIND: each test must run on a device of the kind, with all kernels, compiled anew.
 run_tests()
 {
     required=$1
@@ -41,7 +41,8 @@ run_tests()
     for program in "$here"/bin/test_*; do
         name=$(basename -- "$program")
         log=$out/tests/$name.txt
-        if QC_TEST_DEVICES=$required QC_LAYERS_REFINE=device QC_TEST_LONG=yes "$program" >"$log" 2>&1; then
+        if QC_TEST_DEVICES=$required QC_LAYERS_REFINE=device QC_PROGRAM_CACHE=off QC_TEST_LONG=yes \
+            "$program" >"$log" 2>&1; then
             echo "  $name: ok"
         else
             echo "  $name: FAILED, see $log"
