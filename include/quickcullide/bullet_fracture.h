@@ -68,14 +68,17 @@ struct qcFracture
     std::vector<qcPiece> pieces;   ///< in an order that depends on the input only
     std::vector<qcBond> bonds;     ///< of all pairs of pieces that share an area, by pieceA, then pieceB
     double volume = 0;             ///< of the mesh
-    double lostVolume = 0;         ///< of dropped splinters, each below 1e-9 of the mesh's volume
-    uint32_t triangleCount = 0;    ///< of the mesh
-    uint32_t siteCount = 0;        ///< of the definition
+    /// Of dropped splinters, each below 1e-9 of the mesh's volume, and of dropped parts that are inside out, where the
+    /// mesh meets itself: the pieces then hold more than the mesh by their volume.
+    double lostVolume = 0;
+    uint32_t triangleCount = 0; ///< of the mesh
+    uint32_t siteCount = 0;     ///< of the definition
 };
 
 /// Splits a mesh. Equal input gives equal pieces; input scaled by a power of two gives the pieces scaled, bit by bit.
-/// Coincident triangles with opposite orientation are dropped. The volumes of pieces and splinters sum up to the mesh's
-/// volume, with an error of at most 1e-12 of it plus 1e-14 of the cube of the mesh's length.
+/// Coincident triangles with opposite orientation are dropped. The volumes of pieces and splinters, and less those of
+/// parts that are inside out, sum up to the mesh's volume, with an error of at most 1e-12 of it plus 1e-14 of the cube
+/// of the mesh's length.
 ///
 /// qc_statusBadInput, and no pieces:
 /// - an index is out of range, a vertex or site is not finite, two sites are equal, or there is no site;
