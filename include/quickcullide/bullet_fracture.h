@@ -77,8 +77,8 @@ struct qcFracture
 
 /// Splits a mesh. Equal input gives equal pieces; input scaled by a power of two gives the pieces scaled, bit by bit.
 /// Coincident triangles with opposite orientation are dropped. The volumes of pieces and splinters sum up to the mesh's
-/// volume, parts that are inside out counted as negative, with an error of at most 1e-12 of it plus 1e-14 of the cube of
-/// the mesh's length.
+/// volume, parts that are inside out counted as negative, with an error of at most 1e-12 of it plus 1e-14 of the cube
+/// of the mesh's length.
 ///
 /// qc_statusBadInput, and no pieces:
 /// - an index is out of range, a vertex or site is not finite, two sites are equal, or there is no site;
