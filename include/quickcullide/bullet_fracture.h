@@ -69,7 +69,7 @@ struct qcFracture
     std::vector<qcBond> bonds;     ///< of all pairs of pieces that share an area, by pieceA, then pieceB
     double volume = 0;             ///< of the mesh
     /// Of dropped splinters, each below 1e-9 of the mesh's volume, and of dropped parts that are inside out, where the
-    /// mesh meets itself: the pieces then hold more than the mesh by their volume.
+    /// surface crosses itself: the pieces then hold more than the mesh by their volume.
     double lostVolume = 0;
     uint32_t triangleCount = 0; ///< of the mesh
     uint32_t siteCount = 0;     ///< of the definition
