@@ -300,15 +300,19 @@ void qcPointsAlgorithm::processCollision(const btCollisionObjectWrapper* body0, 
     const btCollisionShape *shape0 = body0->getCollisionShape(), *shape1 = body1->getCollisionShape();
     btScalar farther = result->m_closestPointDistanceThreshold;
     FindPoints(*body0, *body1, farther, dispatchInfo.m_timeStep, &points);
-    btScalar margin0 = MarginOf(shape0), margin1 = MarginOf(shape1);
-    ApplyMargins(margin0, margin1, &points);
     const btCollisionObject *object0 = body0->getCollisionObject(), *object1 = body1->getCollisionObject();
-    if (!m_query && m_dispatcher->needsResponse(object0, object1))
-        m_overlap.Apply(object0, object1, margin0 + margin1, dispatchInfo.m_timeStep, &points);
+    // Without a step no solver follows, which would push.
+    const bool overlaps =
+        m_overlap.IsOpen() && !m_query && dispatchInfo.m_timeStep > 0 && m_dispatcher->needsResponse(object0, object1);
     // Most pairs of boxes are no contact.
-    if (points.empty() && (m_query || std::count(m_manifolds, m_manifolds + s_maxGroups, nullptr) == s_maxGroups))
+    if (points.empty() && !overlaps &&
+        (m_query || std::count(m_manifolds, m_manifolds + s_maxGroups, nullptr) == s_maxGroups))
         return;
     btScalar contactDistance = qcContactDistance(shape0, shape1) + farther;
+    btScalar margin0 = MarginOf(shape0), margin1 = MarginOf(shape1);
+    ApplyMargins(margin0, margin1, &points);
+    if (overlaps)
+        m_overlap.Apply(object0, object1, margin0 + margin1, dispatchInfo.m_timeStep, &points);
     if (m_query)
     {
         ReportAll(points, contactDistance, *body0, *body1, result);

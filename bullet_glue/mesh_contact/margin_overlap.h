@@ -10,11 +10,15 @@
 class qcMarginOverlap
 {
   public:
-    /// Begins or continues the contact of a pair, once in each step, also where it has no points. Increases the
-    /// distances of its points, which are beyond the margins, by what remains of the overlap at the beginning: it falls
-    /// to 0 within a second, and is never larger than the present overlap. `margins`: of both meshes. Bodies that move
-    /// by more than their margins in the first step have none, and get the whole push. `timeStep` 0: nothing is done,
-    /// since no solver follows.
+    /// False: there is nothing left to apply.
+    bool IsOpen() const
+    {
+        return !m_hasBegun || m_rest > 0;
+    }
+    /// Begins or continues the contact of a pair, once in each step while it is open, also where it has no points.
+    /// Increases the distances of its points, which are beyond the margins, by what remains of the overlap at the
+    /// beginning: it falls to 0 within a second, and is never larger than the present overlap. `margins`: of both
+    /// meshes. Bodies that may move by more than their margins in the first step have none, and get the whole push.
     void Apply(const btCollisionObject* object0, const btCollisionObject* object1, btScalar margins, btScalar timeStep,
                std::vector<qcMeshPoint>* points);
 

@@ -25,9 +25,8 @@ void qcFirst_ReadOptions(int argumentCount, char** arguments, qcFirstOptions* op
     const qcOption rows[] = {
         {.group = 1, .help = "What is tried:"},
         {1, "scenes", "LIST",
-         "Scenes of \"qc-bench peers\", all by default; or cloth-20m, a folded cloth of 20 million triangles, which "
-         "\"all\" "
-         "leaves out: 3 GiB and a minute with --threads 1 --steps 4 --rounds 1, without Embree",
+         "Scenes of \"qc-bench peers\", all by default; or cloth-20m, a folded cloth of 20 million triangles, no part "
+         "of \"all\": 3 GiB and a minute with --threads 1 --steps 4 --rounds 1, without Embree",
          qcOption_Marks(options->scenes, qc_peerSceneCount, scenes)},
         {.group = 2, .help = "How it is measured:"},
         {2, "threads", "LIST", "Numbers of threads; %s by default",

@@ -28,6 +28,7 @@ double FastestIn(qcMeshWorld& world, const std::vector<btRigidBody*>& bodies, in
         for (const btRigidBody* body : bodies)
             fastest = std::max(fastest, body->getLinearVelocity().length());
     }
+    printf("%zu cubes: at most %.3f m/s\n", bodies.size(), double(fastest));
     return double(fastest);
 }
 
