@@ -305,9 +305,12 @@ void qcPointsAlgorithm::processCollision(const btCollisionObjectWrapper* body0, 
     const bool overlaps =
         m_overlap.IsOpen() && !m_query && dispatchInfo.m_timeStep > 0 && m_dispatcher->needsResponse(object0, object1);
     // Most pairs of boxes are no contact.
-    if (points.empty() && !overlaps &&
-        (m_query || std::count(m_manifolds, m_manifolds + s_maxGroups, nullptr) == s_maxGroups))
+    if (points.empty() && (m_query || std::count(m_manifolds, m_manifolds + s_maxGroups, nullptr) == s_maxGroups))
+    {
+        if (overlaps)
+            m_overlap.Apply(object0, object1, 0, dispatchInfo.m_timeStep, &points);
         return;
+    }
     btScalar contactDistance = qcContactDistance(shape0, shape1) + farther;
     btScalar margin0 = MarginOf(shape0), margin1 = MarginOf(shape1);
     ApplyMargins(margin0, margin1, &points);
