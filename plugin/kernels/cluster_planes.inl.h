@@ -53,6 +53,14 @@ QC_INLINE PlaneFloats AbsoluteLanes(PlaneFloats x)
     return (PlaneFloats)((PlaneInts)x & 0x7fffffff);
 }
 
+/// An upper bound of the length of a vector, at most 5 % larger: (s + x^2 / s) / 2 is at least |x| for any s.
+/// `sum`: of its absolute coordinates, 1 to 1.73 times its length.
+QC_INLINE PlaneFloats MaxLength(PlaneVectors x, PlaneFloats sum)
+{
+    PlaneFloats estimate = 0.77f * sum;
+    return 0.5f * (estimate + DotPlanes(x, x) / estimate);
+}
+
 /// Triangles at .. at + qc_planeLanes - 1 of a cluster.
 QC_INLINE void FillLanes(const qcPlaneTest* test, int side, const qcCorners* corners, int at, qcClusterPlanes* planes)
 {
@@ -70,10 +78,11 @@ QC_INLINE void FillLanes(const qcPlaneTest* test, int side, const qcCorners* cor
     PlaneFloats x[3] = {DotPlanes(n, p[0]), DotPlanes(n, p[1]), DotPlanes(n, p[2])};
     PlaneFloats size = AbsoluteLanes(n.x) + AbsoluteLanes(n.y) + AbsoluteLanes(n.z);
     const qcDistanceThresholds* thresholds = test->thresholds;
-    PlaneFloats margin = size * ((4.0f * thresholds->pointError + thresholds->query) * 1.0001f + 12.0f * 0x1p-24f);
+    PlaneFloats margin = size * (4.0f * thresholds->pointError * 1.0001f + 12.0f * 0x1p-24f) +
+                         MaxLength(n, size) * (thresholds->query * 1.0001f);
     // Normals so short that products may underflow separate nothing.
     const PlaneFloats infinite = (PlaneFloats){0} + INFINITY;
-    PlaneInts isShort = ~(size > 1e-20f);
+    PlaneInts isShort = ~(size > 1e-15f);
     margin = (PlaneFloats)(((PlaneInts)margin & ~isShort) | ((PlaneInts)infinite & isShort));
     StoreLanes(n.x, planes->normal[0] + at);
     StoreLanes(n.y, planes->normal[1] + at);

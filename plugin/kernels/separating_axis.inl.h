@@ -19,7 +19,8 @@ typedef struct PairLanes
     Vectors b, c, d, e, f;
     Floats scale; ///< that of the pair
     Floats error; ///< of a scaled coordinate, before the first corner was subtracted
-    Floats gap;   ///< min gap of projections on an axis w, over |w|_1
+    Floats gap;   ///< a gap of projections on an axis w proves triangles apart if it exceeds gap |w|_1
+    Floats query; ///< the query distance, scaled; such a gap proves more than it if it exceeds gap |w|_1 + query |w|
 } PairLanes;
 
 QC_INLINE Vectors LoadPoints(const qcPoint* points, const uint32_t vertex[QC_LANES]);
@@ -55,15 +56,32 @@ QC_INLINE Floats MaxAbsolute(Vectors a)
     return MaxFloats(MaxFloats(Absolute(a.x), Absolute(a.y)), Absolute(a.z));
 }
 
-/// All bits of a lane where the axis separates.
-QC_INLINE Ints Separates(const PairLanes* l, Vectors axis)
+/// The gap between the projections of the triangles on an axis; not above 0 if they overlap.
+QC_INLINE Floats FindGap(const PairLanes* l, Vectors axis)
 {
     const Floats zero = {0};
     Floats u = Dot(axis, l->b), v = Dot(axis, l->c), p = Dot(axis, l->d), q = Dot(axis, l->e), r = Dot(axis, l->f);
-    Floats minGap = (Absolute(axis.x) + Absolute(axis.y) + Absolute(axis.z)) * l->gap;
-    Floats above = MinFloats(p, MinFloats(q, r)) - MaxFloats(zero, MaxFloats(u, v));
-    Floats below = MinFloats(zero, MinFloats(u, v)) - MaxFloats(p, MaxFloats(q, r));
-    return (MaxFloats(above, below) > minGap) & (MaxFloats(above, below) > 1e-20f);
+    return MaxFloats(MinFloats(p, MinFloats(q, r)) - MaxFloats(zero, MaxFloats(u, v)),
+                     MinFloats(zero, MinFloats(u, v)) - MaxFloats(p, MaxFloats(q, r)));
+}
+
+QC_INLINE Floats SumOfAbsolutes(Vectors a)
+{
+    return Absolute(a.x) + Absolute(a.y) + Absolute(a.z);
+}
+
+/// All bits of a lane where the axis separates.
+QC_INLINE Ints Separates(const PairLanes* l, Vectors axis)
+{
+    Floats gap = FindGap(l, axis);
+    return (gap > SumOfAbsolutes(axis) * l->gap) & (gap > 1e-20f);
+}
+
+/// All bits of a lane where the axis proves the triangles farther apart than the query distance.
+QC_INLINE Ints SeparatesByQuery(const PairLanes* l, Vectors axis)
+{
+    Floats gap = FindGap(l, axis), length2 = Dot(axis, axis);
+    return (gap > SumOfAbsolutes(axis) * l->gap + SquareRoot(length2) * l->query) & (length2 > 1e-30f);
 }
 
 QC_INLINE Vectors TransformPoints(const qcDistanceThresholds* thresholds, Vectors p)
@@ -117,7 +135,8 @@ QC_INLINE PairLanes LoadFramedPairs(const qcIndexedTriangles* a, const qcDistanc
     l.f = Times(l.f, scale);
     l.scale = scale;
     l.error = thresholds->pointError * scale;
-    l.gap = (4.0f * thresholds->pointError + thresholds->query) * scale * 1.0001f + 4e-6f;
+    l.gap = 4.0f * thresholds->pointError * scale * 1.0001f + 4e-6f;
+    l.query = thresholds->query * scale * 1.0001f;
     return l;
 }
 
@@ -133,13 +152,21 @@ QC_INLINE Ints SeparatedByPlane(const PairLanes* l)
     return Separates(l, Cross(l->b, l->c)) | Separates(l, Cross(Subtract(l->e, l->d), Subtract(l->f, l->d)));
 }
 
-/// The difference of the centroids: it separates most triangles of one smooth surface that share no vertex.
-QC_INLINE Ints SeparatedByCentroids(const PairLanes* l)
+/// Three times the difference of the centroids.
+QC_INLINE Vectors FindCentroidDifference(const PairLanes* l)
 {
-    // Three times the centroids; the first corner of A is 0.
+    // The first corner of A is 0.
     Vectors a = {l->b.x + l->c.x, l->b.y + l->c.y, l->b.z + l->c.z};
     Vectors b = {l->d.x + l->e.x + l->f.x, l->d.y + l->e.y + l->f.y, l->d.z + l->e.z + l->f.z};
-    return Separates(l, Subtract(b, a));
+    return Subtract(b, a);
+}
+
+/// The difference of the centroids separates most triangles of one smooth surface that share no vertex, planes most of
+/// two layers.
+QC_INLINE Ints SeparatedByDistance(const PairLanes* l)
+{
+    return SeparatesByQuery(l, FindCentroidDifference(l)) | SeparatesByQuery(l, Cross(l->b, l->c)) |
+           SeparatesByQuery(l, Cross(Subtract(l->e, l->d), Subtract(l->f, l->d)));
 }
 
 /// Normals of edges within the planes: they separate triangles that lie in one plane.
@@ -163,11 +190,6 @@ QC_INLINE Ints SeparatedByEdges(const PairLanes* l)
     return separated;
 }
 
-QC_INLINE Ints SeparatedByCentroidsOrPlane(const PairLanes* l)
-{
-    return SeparatedByCentroids(l) | SeparatedByPlane(l);
-}
-
 typedef Ints Separated(const PairLanes* l);
 
 QC_INLINE size_t KeepUnseparated(const qcIndexedTriangles* a, const qcIndexedTriangles* b,
@@ -189,11 +211,10 @@ QC_INLINE size_t KeepUnseparated(const qcIndexedTriangles* a, const qcIndexedTri
 static size_t Filter(const qcIndexedTriangles* a, const qcIndexedTriangles* b, const qcDistanceThresholds* thresholds,
                      qcSlotPair* pairs, size_t count)
 {
-    // With a query distance most pairs belong to one smooth surface, and most others to two layers: these axes separate
-    // most of both. The distance of the rest is computed (kernels/triangle_distance.inl.h), which takes no longer than
-    // more axes would.
+    // The distance of the rest is computed (kernels/triangle_distance.inl.h), which takes no longer than more axes
+    // would.
     if (thresholds->query > 0.0f)
-        return KeepUnseparated(a, b, thresholds, pairs, count, SeparatedByCentroidsOrPlane);
+        return KeepUnseparated(a, b, thresholds, pairs, count, SeparatedByDistance);
     return KeepUnseparated(a, b, thresholds, pairs, count, SeparatedByPlane);
 }
 
@@ -204,11 +225,6 @@ typedef struct Signs
 {
     Ints above, below;
 } Signs;
-
-QC_INLINE Floats SumOfAbsolutes(Vectors a)
-{
-    return Absolute(a.x) + Absolute(a.y) + Absolute(a.z);
-}
 
 /// The sign of u . (v x w). Each vector is wrong by at most `error` in each coordinate.
 QC_INLINE Signs SignOf(Vectors u, Vectors v, Vectors w, Floats error)

@@ -105,7 +105,7 @@ void qcDemoScene::Add(btSoftBody* body, std::vector<btDeformableLagrangianForce*
     if (m_contact == qcDemoContact::oursLikeBullets)
     {
         qcSoftBodySettings settings;
-        settings.selfCollision = settings.continuous = settings.untangle = false;
+        settings.selfCollision = false;
         settings.bulletNodeContacts = true;
         m_world->contact->setSettings(body, settings);
     }
