@@ -12,9 +12,8 @@
 
 namespace
 {
-// Bisections of a motion: a part of 1e-5 of it is left undecided.
-constexpr int s_bisections = 16;
 // A pair nearer than this part of its margins comes no nearer: certificates need a gap above rounding.
+// One that would be stopped in the air comes nearer, but not within rounding.
 constexpr btScalar s_minGap = btScalar(0.01);
 // A stopped pair makes at most this part of what it made before, and nothing once it is below s_minPart.
 constexpr btScalar s_maxPart = btScalar(0.99), s_minPart = btScalar(1e-4);
@@ -23,6 +22,8 @@ constexpr btScalar s_maxPart = btScalar(0.99), s_minPart = btScalar(1e-4);
 constexpr int s_maxCuts = 12, s_maxCommon = 24;
 // Rounds of planes, and sweeps over all planes in each.
 constexpr int s_planeRounds = 6, s_planeSweeps = 8;
+// Likewise while pieces of a cut press on each other, from the second round on: pushes have to reach all of a heap.
+constexpr int s_closingRounds = 24, s_closingSweeps = 256;
 // Sweeps of impulses over the planes of pairs that contact did not stop.
 constexpr int s_impulseSweeps = 4;
 
@@ -125,9 +126,7 @@ bool qcMotionLimiter::TestPair(void* context, uint32_t slotA, uint32_t slotB)
     qcSweptPair pair(limiter->m_meshOfSlot[slotA].first, limiter->m_meshOfSlot[slotB].first);
     if (pair.first->number > pair.second->number)
         std::swap(pair.first, pair.second);
-    auto isBefore = [](const qcSweptPair& x, const qcSweptPair& y)
-    { return std::make_pair(x.first->number, x.second->number) < std::make_pair(y.first->number, y.second->number); };
-    return std::binary_search(limiter->m_pairs.begin(), limiter->m_pairs.end(), pair, isBefore);
+    return std::binary_search(limiter->m_pairs.begin(), limiter->m_pairs.end(), pair, IsBefore);
 }
 
 /// Finds the pairs of triangles that are not proven apart.
@@ -185,46 +184,40 @@ void qcMotionLimiter::CollectTangles(const qcResult& result)
 }
 
 /// The largest part of the motions, up to `limit` and bisection, over which two triangles are proven apart; below 0:
-/// none. Objects that don't move freely make all of their motion.
+/// none.
 btScalar qcMotionLimiter::CertifiedPart(const qcPair& pair, const Side& a, const Side& b, btScalar limit) const
 {
     auto cornersAt = [](const Side& side, uint32_t triangle, const btTransform& transform, double corners[9])
     { CornersOf(*side.mesh->triangles, triangle, transform * side.mesh->local, corners); };
-    auto endOf = [](const qcSweptObject& swept, btScalar part)
-    { return swept.body != nullptr && part < swept.fraction ? swept.At(part) : swept.end; };
     double startA[9], startB[9];
     cornersAt(a, pair.triangleA, a.swept->start, startA);
     cornersAt(b, pair.triangleB, b.swept->start, startB);
     auto isCertified = [&](btScalar part)
     {
         double endA[9], endB[9];
-        cornersAt(a, pair.triangleA, endOf(*a.swept, part), endA);
-        cornersAt(b, pair.triangleB, endOf(*b.swept, part), endB);
+        cornersAt(a, pair.triangleA, a.swept->EndAt(part), endA);
+        cornersAt(b, pair.triangleB, b.swept->EndAt(part), endB);
         return qcTrianglesStayApart(startA, endA, startB, endB, nullptr);
     };
-    if (isCertified(limit))
-        return limit;
-    if (!isCertified(0))
-        return -1;
-    btScalar low = 0, high = limit;
-    for (int i = 0; i < s_bisections; i++)
-    {
-        btScalar middle = (low + high) / 2;
-        (isCertified(middle) ? low : high) = middle;
-    }
-    return low;
+    return qcFindLargestPart(limit, isCertified);
 }
 
-/// Cuts the motions of a pair, relative to their island's, back to a part. False: they make none.
-bool qcMotionLimiter::Stop(const qcSweptPair& pair, btScalar part, btScalar distance)
+/// The part of their own motions that the free objects of a pair make, the larger one.
+btScalar qcMotionLimiter::MadePart(const qcSweptPair& pair)
 {
-    btScalar made = 0, travel = 0;
+    btScalar made = 0;
     for (const qcSweptObject* swept : {pair.first, pair.second})
-    {
         made = swept->body != nullptr ? std::max(made, swept->fraction) : made;
+    return made;
+}
+
+/// Cuts the motions of a pair, relative to their island's, back to a part.
+void qcMotionLimiter::Stop(const qcSweptPair& pair, btScalar part, btScalar distance)
+{
+    btScalar made = MadePart(pair), travel = 0;
+    for (const qcSweptObject* swept : {pair.first, pair.second})
         travel += qcDisplacementBound(swept->carried, swept->target,
                                       swept->object->getCollisionShape()->getAngularMotionDisc());
-    }
     // The pair keeps a distance, but approaches by at least half of what is proven. The part is less than what is made,
     // also where the scene's rounding differs.
     part =
@@ -232,7 +225,6 @@ bool qcMotionLimiter::Stop(const qcSweptPair& pair, btScalar part, btScalar dist
     for (qcSweptObject* swept : {pair.first, pair.second})
         if (swept->body != nullptr)
             swept->fraction = std::min(swept->fraction, part);
-    return made > 0;
 }
 
 /// True if the common motion of the pair's island is none, so that its objects would be stopped in the air.
@@ -256,10 +248,23 @@ bool qcMotionLimiter::Hold(const qcSweptPair& pair)
 /// at their starts. If they do already, the pair can't be kept apart in this step.
 void qcMotionLimiter::Release(const qcSweptPair& pair)
 {
-    if (Hold(pair))
+    auto isAtStart = [](const qcSweptObject& swept)
+    { return swept.body == nullptr || swept.fraction > 0 || qcAreSame(swept.start, swept.tested); };
+    // Another pair may have held the islands in this round.
+    if (Hold(pair) || !isAtStart(*pair.first) || !isAtStart(*pair.second))
         return;
     m_exempt.insert(std::minmax(pair.first->number, pair.second->number));
     m_unproven++;
+}
+
+/// The pairs that touch at the start and end too deep.
+std::vector<qcClosingPair> qcMotionLimiter::ClosingPairs() const
+{
+    std::vector<qcClosingPair> closing = m_touching.Closing();
+    auto isExempt = [this](const qcClosingPair& touching)
+    { return IsExempt(*touching.pair.first, *touching.pair.second); };
+    closing.erase(std::remove_if(closing.begin(), closing.end(), isExempt), closing.end());
+    return closing;
 }
 
 bool qcMotionLimiter::HasUnproven(const qcResult& result) const
@@ -307,9 +312,11 @@ void qcMotionLimiter::JoinBlocked(const qcResult& result)
         if (!IsExempt(a, b))
             m_islands.Join(a, b);
     }
+    for (const qcClosingPair& closing : ClosingPairs())
+        m_islands.Join(*closing.pair.first, *closing.pair.second);
 }
 
-/// The first pair of triangles that meets, for each two objects that are not proven apart.
+/// The first pair of triangles that meets, or their hulls, for each two objects that are not proven apart.
 std::map<qcMotionLimiter::Numbers, qcMotionLimiter::Block> qcMotionLimiter::FindBlocks(const qcResult& result) const
 {
     std::map<Numbers, Block> blocks;
@@ -322,8 +329,12 @@ std::map<qcMotionLimiter::Numbers, qcMotionLimiter::Block> qcMotionLimiter::Find
         Block& block = blocks[NumbersOf(pair)];
         btScalar part = CertifiedPart(pair, a, b, block.part);
         if (block.pair.first == nullptr || part < block.part)
-            block = {{a.swept, b.swept}, part, btScalar(result.proximities[i].distance)};
+            block = {{a.swept, b.swept}, part, btScalar(result.proximities[i].distance), 0};
     }
+    for (const qcClosingPair& closing : ClosingPairs())
+        blocks[closing.Numbers()] = {closing.pair, closing.FindPart(1), 0, 0};
+    for (auto& [numbers, block] : blocks)
+        block.made = MadePart(block.pair);
     return blocks;
 }
 
@@ -337,11 +348,15 @@ void qcMotionLimiter::Cut(const qcResult& result, int round)
     {
         btScalar margins = block.pair.first->object->getCollisionShape()->getMargin() +
                            block.pair.second->object->getCollisionShape()->getMargin();
-        bool common = round >= s_maxCuts || (block.distance < s_minGap * margins && !IsStill(block.pair));
+        btScalar minGap =
+            IsStill(block.pair) ? qcCornerRounding(*block.pair.first, *block.pair.second) : s_minGap * margins;
+        bool common = round >= s_maxCuts || block.distance < minGap;
         btScalar part = common ? std::min(block.part, btScalar(0)) : block.part;
-        if (part < 0 || !Stop(block.pair, part, qcMotionFloor * margins))
+        if (part < 0 || block.made <= 0)
             Release(block.pair);
-        else if (round >= s_maxCommon)
+        else
+            Stop(block.pair, part, qcMotionFloor * margins);
+        if (part >= 0 && round >= s_maxCommon)
             Hold(block.pair);
         m_cut.insert(numbers);
     }
@@ -418,17 +433,6 @@ void qcMotionLimiter::SkipProvenPairs()
     m_pairs.erase(std::remove_if(m_pairs.begin(), m_pairs.end(), isProven), m_pairs.end());
 }
 
-/// Adds a plane between two objects that touch at the start, such as the pieces of a cut, unless they end apart.
-/// `axis`: along which they touch. `error`: of gaps.
-void qcMotionLimiter::KeepTouching(const qcSweptPair& pair, const btVector3& axis, btScalar error)
-{
-    qcPlacedSupport endA{pair.first->hull, pair.first->end}, endB{pair.second->hull, pair.second->end};
-    if (qcGapAlong(endA, endB, axis) > error || qcSeparateHulls(endA, endB, axis, error).gap > error)
-        return;
-    m_planes.AddHulls(pair.first, pair.second, axis, 2 * error);
-    m_areTouching = true;
-}
-
 void qcMotionLimiter::SortPairs()
 {
     std::sort(m_pairs.begin(), m_pairs.end(), IsBefore);
@@ -445,7 +449,7 @@ bool qcMotionLimiter::IsSeparated(const qcSweptPair& pair)
     btScalar error = qcGapError(startA, startB) + qcGapError(endA, endB);
     auto isProof = [&](const btVector3& axis)
     { return qcGapAlong(endA, endB, axis) > error && qcGapAlong(startA, startB, axis) > error; };
-    bool isNew = a.isNew || b.isNew;
+    bool isNew = a.isNew || b.isNew || m_touching.Include(pair);
     bool areTouching = isNew && m_axes.AreTouching(a.object, startA, b.object, startB);
     btVector3 kept = m_axes.GetAxis(a.object, a.end, b.object, b.end);
     if (!areTouching && isProof(kept))
@@ -453,15 +457,16 @@ bool qcMotionLimiter::IsSeparated(const qcSweptPair& pair)
     btVector3 keptAtStart = m_axes.GetAxis(a.object, a.start, b.object, b.start);
     if (areTouching || (isNew && !keptAtStart.fuzzyZero() && qcTouchAlong(startA, startB, keptAtStart)))
     {
-        KeepTouching(pair, keptAtStart, error);
+        m_touching.Keep(pair, keptAtStart, error, &m_planes);
         return true;
     }
     // Only hulls that overlap by rounding need more than the search for the largest gap.
     qcSeparation atStart = isNew ? qcFindSeparation(startA, startB, kept, BT_LARGE_FLOAT, 0)
                                  : qcSeparateHulls(startA, startB, kept, BT_LARGE_FLOAT);
-    if (isNew && btFabs(atStart.gap) <= error)
+    // Those that have been kept touching are as close as they were, but the bound of rounding is not the same.
+    if (isNew && btFabs(atStart.gap) <= (m_touching.Include(pair) ? 2 : 1) * error)
     {
-        KeepTouching(pair, atStart.axis, error);
+        m_touching.Keep(pair, atStart.axis, error, &m_planes);
         return true;
     }
     if (atStart.gap <= error)
@@ -475,7 +480,7 @@ bool qcMotionLimiter::IsSeparated(const qcSweptPair& pair)
 
 void qcMotionLimiter::SkipSeparatedPairs()
 {
-    m_areTouching = false;
+    m_touching.BeginRound();
     m_pairs.erase(
         std::remove_if(m_pairs.begin(), m_pairs.end(), [this](const qcSweptPair& pair) { return IsSeparated(pair); }),
         m_pairs.end());
@@ -495,11 +500,16 @@ void qcMotionLimiter::SkipSettledPairs(const std::set<Numbers>& reported)
     m_pairs.erase(std::remove_if(m_pairs.begin(), m_pairs.end(), isSettled), m_pairs.end());
 }
 
-/// Detects the pairs that are not proven apart, and adds planes for them or cuts them. False: there are none.
-bool qcMotionLimiter::StopPairs(int round, std::set<Numbers>* reported)
+/// Detects the pairs that are not proven apart, and adds planes for them or, after `cuts` such rounds, cuts them.
+/// False: there are none.
+bool qcMotionLimiter::StopPairs(bool pushes, int cuts, std::set<Numbers>* reported)
 {
-    const qcResult* result = nullptr;
-    m_status = Detect(&result);
+    if (m_pairs.empty() && !m_touching.AnyTouches())
+        return false;
+    const qcResult none{};
+    const qcResult* result = &none;
+    if (!m_pairs.empty())
+        m_status = Detect(&result);
     if (m_status != qc_statusOk)
         return false;
     for (qcSweptObject* swept : m_objects.Get())
@@ -507,15 +517,19 @@ bool qcMotionLimiter::StopPairs(int round, std::set<Numbers>* reported)
     reported->clear();
     for (size_t i = 0; i < result->pairCount; i++)
         reported->insert(NumbersOf(result->pairs[i]));
+    for (const qcClosingPair& closing : m_touching.Closing())
+        reported->insert(closing.Numbers());
     CollectTangles(*result);
-    if (!HasUnproven(*result))
-        return false;
-    if (round == s_planeRounds)
-        EndPlanes();
-    if (round < s_planeRounds)
+    if (!HasUnproven(*result) && (pushes || ClosingPairs().empty()))
+        return pushes && m_touching.AnyTouches();
+    if (pushes)
+    {
         AddPlanes(*result);
-    else
-        Cut(*result, round - s_planeRounds);
+        return true;
+    }
+    if (cuts == 0)
+        EndPlanes();
+    Cut(*result, cuts);
     return true;
 }
 
@@ -524,6 +538,7 @@ qcStatus qcMotionLimiter::Certify()
 {
     std::set<Numbers> reported;
     m_status = qc_statusOk;
+    int cuts = 0;
     for (int round = 0;; round++)
     {
         m_objects.FindPairs(&m_pairs);
@@ -538,11 +553,14 @@ qcStatus qcMotionLimiter::Certify()
         for (qcSweptObject* swept : m_objects.Get())
             swept->certified = swept->end;
         SkipSeparatedPairs();
-        bool isStopped = !m_pairs.empty() && StopPairs(round, &reported);
-        if (m_status != qc_statusOk || (!isStopped && (!m_areTouching || round >= s_planeRounds)))
+        const bool isClosing = !ClosingPairs().empty();
+        const bool pushes = cuts == 0 && round < (isClosing ? s_closingRounds : s_planeRounds);
+        if (!StopPairs(pushes, cuts, &reported))
             return m_status;
-        if (round < s_planeRounds)
-            m_planes.Solve(s_planeSweeps);
+        if (pushes)
+            m_planes.Solve(round > 0 && isClosing ? s_closingSweeps : s_planeSweeps);
+        else
+            cuts++;
     }
 }
 
@@ -575,6 +593,7 @@ void qcMotionLimiter::Limit(btScalar timeStep, qcMeshContactStatistics* statisti
     m_cut.clear();
     m_exempt.clear();
     m_unproven = 0;
+    m_touching.BeginStep();
     statistics->limitMs = 0;
     if (m_objects.ReadMotions(timeStep, m_scene))
         Run(timeStep, statistics);

@@ -6,7 +6,7 @@
 
 #include "mesh_contact/axis_cache.h"
 #include "mesh_contact/motion_islands.h"
-#include "mesh_contact/motion_planes.h"
+#include "mesh_contact/touching_pairs.h"
 
 #include <map>
 
@@ -63,6 +63,7 @@ class qcMotionLimiter
         qcSweptPair pair{nullptr, nullptr};
         btScalar part = 1;     ///< of the motions that is proven apart; below 0: none
         btScalar distance = 0; ///< of the two triangles at the start
+        btScalar made = 0;     ///< part of their motions that the objects make in this round
     };
 
     struct Side
@@ -79,10 +80,12 @@ class qcMotionLimiter
     void CollectTangles(const qcResult& result);
     bool IsExempt(const qcSweptObject& a, const qcSweptObject& b) const;
     btScalar CertifiedPart(const qcPair& pair, const Side& a, const Side& b, btScalar limit) const;
-    bool Stop(const qcSweptPair& pair, btScalar part, btScalar distance);
+    static btScalar MadePart(const qcSweptPair& pair);
+    static void Stop(const qcSweptPair& pair, btScalar part, btScalar distance);
     bool IsStill(const qcSweptPair& pair) const;
     bool Hold(const qcSweptPair& pair);
     void Release(const qcSweptPair& pair);
+    std::vector<qcClosingPair> ClosingPairs() const;
     bool HasUnproven(const qcResult& result) const;
     void AddPlanes(const qcResult& result);
     void EndPlanes();
@@ -92,11 +95,10 @@ class qcMotionLimiter
     void SkipUnmovedPairs();
     void SkipProvenPairs();
     void SortPairs();
-    void KeepTouching(const qcSweptPair& pair, const btVector3& axis, btScalar error);
     bool IsSeparated(const qcSweptPair& pair);
     void SkipSeparatedPairs();
     void SkipSettledPairs(const std::set<Numbers>& reported);
-    bool StopPairs(int round, std::set<Numbers>* reported);
+    bool StopPairs(bool pushes, int cuts, std::set<Numbers>* reported);
     qcStatus Certify();
     void Commit(qcSweptObject* swept, btScalar timeStep) const;
     void CommitAll(btScalar timeStep);
@@ -117,8 +119,8 @@ class qcMotionLimiter
     qcMotionPlanes m_planes;
     std::set<Numbers> m_stopped, m_previouslyStopped; ///< objects with planes, in this step and in the previous one
     std::set<Numbers> m_cut, m_previouslyCut;         ///< objects whose motions were cut, likewise
-    bool m_areTouching = false;                       ///< objects that touch at the start are not apart at the end
-    qcStatus m_status = qc_statusOk;                  ///< of the last detection
+    qcTouchingPairs m_touching;
+    qcStatus m_status = qc_statusOk; ///< of the last detection
     int m_unproven = 0;
 };
 

@@ -88,6 +88,13 @@ btVector3 VelocityAt(const qcSweptObject& swept, const btVector3& arm)
 }
 } // namespace
 
+btScalar qcCornerRounding(const qcSweptObject& a, const qcSweptObject& b)
+{
+    return s_rounding * (std::max(a.end.getOrigin().length(), b.end.getOrigin().length()) +
+                         a.object->getCollisionShape()->getAngularMotionDisc() +
+                         b.object->getCollisionShape()->getAngularMotionDisc());
+}
+
 void qcMotionPlanes::Clear()
 {
     m_planes.clear();
@@ -99,17 +106,13 @@ void qcMotionPlanes::Add(const qcPair& pair, const qcMotionPlaneSide& a, const q
 {
     if (!m_pairs.insert({pair.bodyA, pair.triangleA, pair.bodyB, pair.triangleB}).second)
         return;
-    const btVector3& center = a.swept->end.getOrigin();
-    btScalar rounding = s_rounding * (std::max(center.length(), b.swept->end.getOrigin().length()) +
-                                      a.swept->object->getCollisionShape()->getAngularMotionDisc() +
-                                      b.swept->object->getCollisionShape()->getAngularMotionDisc());
     btScalar floor = qcMotionFloor * (a.swept->object->getCollisionShape()->getMargin() +
                                       b.swept->object->getCollisionShape()->getMargin());
     qcMotionPlane plane;
     plane.above = a;
     plane.below = b;
     plane.normal = qcVectorOf(nearest.normal);
-    plane.gap = std::max(std::min(btScalar(nearest.distance), floor), rounding);
+    plane.gap = std::max(std::min(btScalar(nearest.distance), floor), qcCornerRounding(*a.swept, *b.swept));
     plane.pushed = 0;
     plane.arms[0] = plane.arms[1] = btVector3(0, 0, 0);
     m_planes.push_back(plane);

@@ -13,6 +13,9 @@
 /// of the next step finds it with a reliable normal.
 constexpr btScalar qcMotionFloor = btScalar(0.25);
 
+/// Upper bound of the rounding of the corners of two objects at their ends: of rotations, products and sums.
+btScalar qcCornerRounding(const qcSweptObject& a, const qcSweptObject& b);
+
 struct qcMotionPlaneSide
 {
     qcSweptObject* swept;

@@ -48,11 +48,33 @@ struct qcSweptObject
 
     /// The transform after this part of the motion; `carried` and target exactly for 0 and 1.
     btTransform At(btScalar part) const;
+    /// The end if the object makes no more than this part. Objects that don't move freely make all of their motion.
+    btTransform EndAt(btScalar part) const
+    {
+        return body != nullptr && part < fraction ? At(part) : end;
+    }
     /// Sets `moves` and the box, from start and end.
     void FindBox();
 };
 
 using qcSweptPair = std::pair<qcSweptObject*, qcSweptObject*>; ///< the lower number first
+
+/// The largest part of a motion, up to `limit` and bisection, for which `holds` is true; below 0: none.
+template <class Holds> btScalar qcFindLargestPart(btScalar limit, const Holds& holds)
+{
+    if (holds(limit))
+        return limit;
+    if (!holds(btScalar(0)))
+        return -1;
+    constexpr int bisections = 16; // a part of 1e-5 of the motion is left undecided
+    btScalar low = 0, high = limit;
+    for (int i = 0; i < bisections; i++)
+    {
+        btScalar middle = (low + high) / 2;
+        (holds(middle) ? low : high) = middle;
+    }
+    return low;
+}
 
 class qcSweptObjects
 {
