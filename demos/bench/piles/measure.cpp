@@ -70,7 +70,8 @@ bool qcPilesDepth::Measure(const qcPilesWorld& world, qcPilesFigures* figures)
         const btTransform& place = world.Bodies()[i]->getWorldTransform();
         qcTransform transform = qcBodyTransformOf(place);
         m_status = qcScene_SetTransform(m_scene, m_ids[i], &transform);
-        figures->deepest = std::max(figures->deepest, DepthInGround(m_setup.models[m_setup.bodies[i].model], place));
+        figures->underGround =
+            std::max(figures->underGround, DepthInGround(m_setup.models[m_setup.bodies[i].model], place));
     }
     qcDetectDef def = qcDefaultDetectDef();
     def.method = qc_methodSweep;

@@ -35,9 +35,10 @@ struct qcPilesFigures
     size_t bodies = 0, triangles = 0;
     qcPilesPhase phases[qc_pilesPhaseCount];
     double longestMs = 0;
-    /// Of the meshes' triangles, without margins, in each other, in the bin and in the ground: the deepest point of an
-    /// exact query's manifolds, each eighth step; m.
+    /// Of the meshes' triangles, without margins, in each other and in the bin: the deepest point of an exact query's
+    /// manifolds, each eighth step; m.
     double deepest = 0;
+    double underGround = 0;  ///< depth of the lowest vertex under the ground, a plane, in the same steps; m
     size_t penetrating = 0;  ///< pairs of triangles, at the last of these queries
     double restSeconds = -1; ///< from here on no body is faster than 0.1 m/s; below 0: never
     double drift = 0;        ///< the longest way that a body's origin makes in the phase at rest, from end to end; m
@@ -52,7 +53,7 @@ class qcPilesDepth
     qcPilesDepth(const qcPilesDepth&) = delete;
     qcPilesDepth& operator=(const qcPilesDepth&) = delete;
 
-    /// Updates the deepest point and the penetrating pairs. False: the reason is in qcLastMessage.
+    /// Updates the depths and the penetrating pairs. False: the reason is in qcLastMessage.
     bool Measure(const qcPilesWorld& world, qcPilesFigures* figures);
 
   private:
