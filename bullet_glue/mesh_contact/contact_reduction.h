@@ -16,6 +16,7 @@ struct qcMeshPoint
     int region = 0;                        ///< number of its region of contact
     bool isKnown = false;                  ///< near a point of the previous step
     btScalar endDistance = BT_LARGE_FLOAT; ///< at the end of the step, for the velocities at its beginning
+    bool isFaceCorner = false;             ///< one of three common vertices of two faces that touch
 
     /// Exchanges A and B.
     void Swap()

@@ -192,6 +192,7 @@ void qcPlaneContact::AddTouching(const qcPlacedSupport& a, const qcPlacedSupport
         btScalar distance = separation.axis.dot(onB - onA);
         points->push_back({onA, onA + separation.axis * distance, -separation.axis, distance,
                            sourceOf(*a.mesh, separation.cornersA[i]), sourceOf(*b.mesh, separation.cornersB[i])});
+        points->back().isFaceCorner = true;
     }
 }
 

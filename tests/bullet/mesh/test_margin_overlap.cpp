@@ -1,5 +1,5 @@
 // Meshes whose margins overlap when they are added to the world: at rest they leave each other slowly, where Bullet's
-// solver would turn the overlap into speed.
+// solver would turn the overlap into speed. And the rolling friction of such faces.
 #include "bullet/mesh/mesh_world.h"
 
 namespace
@@ -97,6 +97,35 @@ START_TEST(only_slow_bodies_spare_their_margins)
     ck_assert_double_gt(Rebound(3), 0.1);
 }
 END_TEST
+
+/// The smallest and the largest rolling friction of the world's contact points.
+std::pair<btScalar, btScalar> RollingFriction(btDispatcher& dispatcher)
+{
+    std::pair<btScalar, btScalar> range(BT_LARGE_FLOAT, 0);
+    for (int m = 0; m < dispatcher.getNumManifolds(); m++)
+        for (int i = 0; i < dispatcher.getManifoldByIndexInternal(m)->getNumContacts(); i++)
+        {
+            btScalar rolling = dispatcher.getManifoldByIndexInternal(m)->getContactPoint(i).m_combinedRollingFriction;
+            range = {std::min(range.first, rolling), std::max(range.second, rolling)};
+        }
+    return range;
+}
+
+START_TEST(faces_that_begin_in_contact_have_rolling_friction_from_their_second_step_on)
+{
+    qcMeshWorld world;
+    world.world.setGravity(btVector3(0, 0, 0));
+    const int n[3] = {2, 1, 1};
+    for (btRigidBody* cube : AddCubes(world, n))
+        cube->setRollingFriction(btScalar(0.1));
+    world.Step();
+    ck_assert_int_gt(qcContactsOf(world.dispatcher).points, 2);
+    ck_assert_double_eq(double(RollingFriction(world.dispatcher).second), 0);
+    world.Step();
+    ck_assert_int_gt(qcContactsOf(world.dispatcher).points, 2);
+    ck_assert_double_gt(double(RollingFriction(world.dispatcher).first), 0);
+}
+END_TEST
 } // namespace
 
 int main()
@@ -107,6 +136,7 @@ int main()
     tcase_add_loop_test(tests, a_stack_of_cubes_that_touch_does_not_jump, 0, qc_floorCount);
     tcase_add_test(tests, meshes_that_penetrate_are_pushed_apart_at_once);
     tcase_add_test(tests, only_slow_bodies_spare_their_margins);
+    tcase_add_test(tests, faces_that_begin_in_contact_have_rolling_friction_from_their_second_step_on);
     suite_add_tcase(suite, tests);
     return qcRunSuite(suite);
 }
