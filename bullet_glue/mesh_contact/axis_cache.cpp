@@ -7,11 +7,11 @@ namespace
 {
 constexpr uint64_t s_keptSteps = 64;
 
-/// The number of triangles if that is quickly known, else 1: they have to be counted.
-size_t CountOf(const btCollisionShape* shape)
+/// A mesh of Bullet's own shapes; null if it is not small.
+std::shared_ptr<const qcSupportMesh> ReadMesh(const btCollisionShape* shape)
 {
-    const qcMeshShape* ours = qcAsMeshShape(shape);
-    return ours != nullptr ? ours->getTriangleCount() : 1;
+    auto mesh = std::make_shared<const qcSupportMesh>(shape);
+    return qcSupportMesh::IsSmall(mesh->Triangles().count) ? mesh : nullptr;
 }
 } // namespace
 
@@ -43,11 +43,8 @@ const qcSupportMesh* qcAxisCache::FindMesh(const btCollisionObject* object)
     if (entry.revision != 0)
         m_touches.Clear(0);
     entry.revision = revision;
-    entry.mesh.reset();
-    if (qcSupportMesh::IsSmall(CountOf(shape)))
-        entry.mesh.reset(new qcSupportMesh(shape));
-    if (entry.mesh != nullptr && !qcSupportMesh::IsSmall(entry.mesh->Triangles().count))
-        entry.mesh.reset();
+    const qcMeshShape* ours = qcAsMeshShape(shape);
+    entry.mesh = ours != nullptr ? ours->GetSupport() : ReadMesh(shape);
     return entry.mesh.get();
 }
 

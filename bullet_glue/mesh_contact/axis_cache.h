@@ -4,7 +4,7 @@
 #define QC_GLUE_MESH_CONTACT_AXIS_CACHE_H
 
 #include "common/object_key.h"
-#include "mesh_contact/support_mesh.h"
+#include "common/support_mesh.h"
 
 #include <memory>
 #include <unordered_map>
@@ -34,7 +34,7 @@ class qcAxisCache
   private:
     struct Mesh
     {
-        std::unique_ptr<qcSupportMesh> mesh; ///< null: it is not small
+        std::shared_ptr<const qcSupportMesh> mesh; ///< null: it is not small
         uint64_t revision = 0;
         uint64_t step = 0; ///< the last one that used it
     };

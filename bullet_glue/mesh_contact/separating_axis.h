@@ -5,7 +5,7 @@
 #ifndef QC_GLUE_MESH_CONTACT_SEPARATING_AXIS_H
 #define QC_GLUE_MESH_CONTACT_SEPARATING_AXIS_H
 
-#include "mesh_contact/support_mesh.h"
+#include "common/support_mesh.h"
 
 /// How two meshes lie along a direction.
 struct qcSeparation

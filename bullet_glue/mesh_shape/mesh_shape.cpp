@@ -2,6 +2,7 @@
 #include "quickcullide/bullet_mesh.h"
 
 #include "common/mass_properties.h"
+#include "common/support_mesh.h"
 #include "mesh_shape/convex_cast.h"
 #include "mesh_shape/serialize.h"
 #include "mesh_shape/triangle_tree.h"
@@ -68,6 +69,8 @@ struct qcMeshShape::Implementation
     btVector3 scaling{1, 1, 1};
     btVector3 lower{0, 0, 0}, upper{0, 0, 0}; ///< of the points
     uint64_t revision = 0;
+    mutable std::mutex supportMutex;
+    mutable std::shared_ptr<const qcSupportMesh> support; ///< null: not built since the last change
     mutable std::mutex treeMutex;
     mutable std::unique_ptr<qcMeshTree> treeOwner;
     mutable std::atomic<const qcMeshTree*> tree{nullptr};
@@ -123,6 +126,7 @@ void qcMeshShape::Implementation::Update()
     revision = ++s_lastRevision;
     tree = nullptr;
     treeOwner.reset();
+    support.reset();
     lower = upper = indices.empty() ? btVector3(0, 0, 0) : points[indices[0]];
     for (uint32_t index : indices)
     {
@@ -166,6 +170,7 @@ qcMeshShape::qcMeshShape(const void* positions, qcPositionType type, size_t stri
     m_implementation->Validate();
     m_implementation->Update();
     m_collisionMargin = m_implementation->DefaultMargin();
+    GetSupport(); // the first step of new bodies has enough to do
 }
 
 qcMeshShape::qcMeshShape(const btStridingMeshInterface* mesh) : m_implementation(new Implementation)
@@ -177,6 +182,7 @@ qcMeshShape::qcMeshShape(const btStridingMeshInterface* mesh) : m_implementation
     m_implementation->Validate();
     m_implementation->Update();
     m_collisionMargin = m_implementation->DefaultMargin();
+    GetSupport(); // the first step of new bodies has enough to do
 }
 
 qcMeshShape::~qcMeshShape() = default;
@@ -209,6 +215,15 @@ const uint32_t* qcMeshShape::getIndices() const
 uint64_t qcMeshShape::getRevision() const
 {
     return m_implementation->revision;
+}
+
+std::shared_ptr<const qcSupportMesh> qcMeshShape::GetSupport() const
+{
+    const Implementation& my = *m_implementation;
+    std::lock_guard<std::mutex> lock(my.supportMutex);
+    if (my.support == nullptr && qcSupportMesh::IsSmall(getTriangleCount()))
+        my.support = std::make_shared<const qcSupportMesh>(this);
+    return my.support;
 }
 
 qcMassProperties qcMeshShape::getMassProperties() const

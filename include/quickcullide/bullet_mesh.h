@@ -18,6 +18,8 @@
 
 class btIDebugDraw;
 class btStridingMeshInterface;
+class qcAxisCache;
+class qcSupportMesh;
 
 /// Mass properties of a mesh of homogeneous material.
 struct qcMassProperties
@@ -40,8 +42,9 @@ struct qcMassProperties
 };
 
 /// A triangle soup, moving or static. Positions and indices are copied. It need not be closed; triangles may intersect,
-/// overlap or be degenerate. Creation is O(n); a tree over the triangles is built in O(n log n) when it is first needed
-/// (convex shapes, rays, soft bodies).
+/// overlap or be degenerate. Creation is O(n), and for up to 600 triangles O(n * faces), since it finds the faces for
+/// contact then; a tree over the triangles is built in O(n log n) when it is first needed (convex shapes, rays, soft
+/// bodies).
 ///
 /// Contact: with convex shapes, rays and swept shapes by Bullet's own algorithms; with meshes and planes by a
 /// qcMeshContact of the world; with soft bodies by qcSoftBodySolver or qcDeformableWorld, otherwise by Bullet's own
@@ -128,7 +131,12 @@ ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
     void serializeSingleShape(btSerializer * serializer) const override; ///< writes the shape as a chunk
 
   private:
+    friend qcAxisCache;
     struct Implementation;
+
+    /// What contact needs of a small mesh, built with the shape; null if the mesh is not small. Thread-safe.
+    std::shared_ptr<const qcSupportMesh> GetSupport() const;
+
     std::unique_ptr<Implementation> m_implementation;
 };
 

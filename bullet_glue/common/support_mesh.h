@@ -1,12 +1,14 @@
 // Small meshes as their convex hulls: extreme vertices along a direction, and the directions of their faces.
-#ifndef QC_GLUE_MESH_CONTACT_SUPPORT_MESH_H
-#define QC_GLUE_MESH_CONTACT_SUPPORT_MESH_H
+#ifndef QC_GLUE_COMMON_SUPPORT_MESH_H
+#define QC_GLUE_COMMON_SUPPORT_MESH_H
 
 #include "common/shape_triangles.h"
 
+#include <atomic>
 #include <memory>
+#include <mutex>
 
-/// A mesh in its own frame. Refers to the shape, as qcMeshTriangles does. For one thread at a time.
+/// A mesh in its own frame. Refers to the shape, as qcMeshTriangles does. Thread-safe.
 class qcSupportMesh
 {
   public:
@@ -100,17 +102,19 @@ class qcSupportMesh
     /// Found by the first call: meshes that touch along common faces, or nothing at all, need none.
     const EdgeLists& FoundEdges() const
     {
-        if (m_edges == nullptr)
-            m_edges.reset(new EdgeLists(FindEdges()));
-        return *m_edges;
+        const EdgeLists* found = m_foundEdges.load(std::memory_order_acquire);
+        return found != nullptr ? *found : KeepEdges();
     }
+    const EdgeLists& KeepEdges() const;
 
     qcMeshTriangles m_triangles;
     std::vector<btScalar> m_x, m_y, m_z; ///< of the vertices; padded with copies of the last one
     std::vector<btVector3> m_normals;
     std::vector<Face> m_faces, m_facesByMax;
     Lists m_trianglesOf;
+    mutable std::mutex m_edgesMutex;
     mutable std::unique_ptr<const EdgeLists> m_edges;
+    mutable std::atomic<const EdgeLists*> m_foundEdges{nullptr};
     btScalar m_radius = 0;
 };
 

@@ -1,5 +1,5 @@
 // Small meshes as their convex hulls.
-#include "mesh_contact/support_mesh.h"
+#include "common/support_mesh.h"
 
 #include <algorithm>
 #include <cstring>
@@ -154,6 +154,15 @@ qcSupportMesh::EdgeLists qcSupportMesh::FindEdges() const
         m_triangles.pointCount, uint32_t(made.edges.size()), 2,
         [&made](uint32_t i, int c) { return c == 0 ? made.edges[i].from : made.edges[i].to; }, &made.edgesOf);
     return made;
+}
+
+const qcSupportMesh::EdgeLists& qcSupportMesh::KeepEdges() const
+{
+    std::lock_guard<std::mutex> lock(m_edgesMutex);
+    if (m_edges == nullptr)
+        m_edges.reset(new EdgeLists(FindEdges()));
+    m_foundEdges.store(m_edges.get(), std::memory_order_release);
+    return *m_edges;
 }
 
 btScalar qcSupportMesh::Max(const btVector3& direction) const
