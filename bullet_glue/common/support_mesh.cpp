@@ -140,12 +140,13 @@ qcSupportMesh::EdgeLists qcSupportMesh::FindEdges() const
         {
             uint32_t from = indices[3 * t + c], to = indices[3 * t + (c + 1) % 3];
             // The first other triangle with the edge, in either direction.
-            const uint32_t* other = std::find_if(m_trianglesOf.begin(from), m_trianglesOf.end(from),
-                                                 [&](uint32_t u)
-                                                 {
-                                                     const uint32_t* index = indices + 3 * u;
-                                                     return u != t && std::find(index, index + 3, to) != index + 3;
-                                                 });
+            const uint32_t* other =
+                std::find_if(m_trianglesOf.begin(from), m_trianglesOf.end(from),
+                             [&](uint32_t u)
+                             {
+                                 const uint32_t* index = indices + 3 * u;
+                                 return u != t && (index[0] == to || index[1] == to || index[2] == to);
+                             });
             bool isShared = other != m_trianglesOf.end(from);
             if (!isShared || (t < *other && m_normals[t].dot(m_normals[*other]) < s_flat))
                 made.edges.push_back({from, to, t});

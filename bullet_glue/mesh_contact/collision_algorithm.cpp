@@ -116,8 +116,8 @@ void WriteGroup(const qcPointGroup& group, btScalar threshold, const btCollision
         manifold->setContactBreakingThreshold(std::max(threshold, point.distance * s_acceptedFactor));
         Report(point, body0, result);
     }
-    // Three corners resist rolling themselves, and half of the solver's rows would be for it. From the next step on each
-    // point has it, since some may carry no load (qc-bench fracture: 13 to 9 ms of the solver in the break).
+    // Three corners resist rolling themselves, and half of the solver's rows would be for it. From the next step on
+    // each point has it, since some may carry no load (qc-bench fracture: 13 to 9 ms of the solver in the break).
     if (group.points[0]->isFaceCorner && !group.points[0]->isKnown)
         for (int i = 0; i < manifold->getNumContacts(); i++)
             manifold->getContactPoint(i).m_combinedRollingFriction = 0;

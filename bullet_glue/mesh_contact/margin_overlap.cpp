@@ -29,7 +29,8 @@ void qcMarginOverlap::Apply(const btCollisionObject* object0, const btCollisionO
         overlap = std::max(overlap, -point.distance);
     overlap = std::min(overlap, margins);
     if (begins)
-        m_rest = MaxTravel(object0, timeStep) + MaxTravel(object1, timeStep) <= margins ? overlap : btScalar(0);
+        m_rest = overlap > 0 && MaxTravel(object0, timeStep) + MaxTravel(object1, timeStep) <= margins ? overlap
+                                                                                                       : btScalar(0);
     else
         m_rest = std::min(std::max(m_rest - s_rate * margins * timeStep, btScalar(0)), overlap);
     for (qcMeshPoint& point : *points)

@@ -9,6 +9,7 @@
 #include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
+#include <iterator>
 
 namespace
 {
@@ -414,12 +415,9 @@ void qcMotionLimiter::SkipUnmovedPairs()
 {
     for (qcSweptObject* swept : m_objects.Get())
         swept->isUnmoved = qcAreSame(swept->end, swept->certified);
-    auto isProven = [this](const qcSweptPair& pair)
-    {
-        return pair.first->isUnmoved && pair.second->isUnmoved &&
-               !std::binary_search(m_unprovenPairs.begin(), m_unprovenPairs.end(), pair, IsBefore);
-    };
-    m_pairs.erase(std::remove_if(m_pairs.begin(), m_pairs.end(), isProven), m_pairs.end());
+    auto isUnmoved = [](const qcSweptPair& pair) { return pair.first->isUnmoved && pair.second->isUnmoved; };
+    m_pairs.erase(std::remove_if(m_pairs.begin(), m_pairs.end(), isUnmoved), m_pairs.end());
+    std::copy_if(m_unprovenPairs.begin(), m_unprovenPairs.end(), std::back_inserter(m_pairs), isUnmoved);
 }
 
 /// Leaves out the pairs whose motion is small against the gap between them.
@@ -544,8 +542,8 @@ qcStatus qcMotionLimiter::Certify()
         m_objects.FindPairs(&m_pairs);
         if (round > 0)
         {
-            SkipSettledPairs(reported);
             SkipUnmovedPairs();
+            SkipSettledPairs(reported);
         }
         SkipProvenPairs();
         SortPairs();

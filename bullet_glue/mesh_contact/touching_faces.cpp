@@ -30,6 +30,7 @@ void FindCommon(const qcPlacedSupport& a, const qcPlacedSupport& b, const btVect
     a.mesh->AppendAbove(localA, maxA - error, &nearA);
     b.mesh->AppendAbove(localB, maxB - error, &nearB);
     std::vector<btVector3> points;
+    points.reserve(nearB.size());
     for (uint32_t j : nearB)
         points.push_back(b.VertexAt(j));
     for (uint32_t i : nearA)
