@@ -22,23 +22,27 @@ btScalar qcBoxGap(const qcPlacedBox& a, const qcPlacedBox& b)
     btVector3 centreA = a.transform * ((a.lower + a.upper) / 2), centreB = b.transform * ((b.lower + b.upper) / 2);
     const btMatrix3x3 &basisA = a.transform.getBasis(), &basisB = b.transform.getBasis();
     btVector3 between = centreB - centreA;
-    btScalar gap = -BT_LARGE_FLOAT;
-    auto take = [&](const btVector3& unit)
-    {
-        gap = std::max(gap,
-                       btFabs(unit.dot(between)) - ExtentAlong(halfA, basisA, unit) - ExtentAlong(halfB, basisB, unit));
-    };
-    for (int i = 0; i < 3; i++)
-    {
-        take(basisA.getColumn(i));
-        take(basisB.getColumn(i));
-    }
+    auto gapAlong = [&](const btVector3& unit)
+    { return btFabs(unit.dot(between)) - ExtentAlong(halfA, basisA, unit) - ExtentAlong(halfB, basisB, unit); };
+    btVector3 inA = between * basisA, inB = between * basisB;
+    // Of B's axes, in A's frame.
+    btMatrix3x3 turn = basisA.transposeTimes(basisB), part = turn.absolute();
+    btVector3 gapsA = inA.absolute() - halfA - part * halfB, gapsB = inB.absolute() - halfB - halfA * part;
+    btScalar gap = std::max(gapsA[gapsA.maxAxis()], gapsB[gapsB.maxAxis()]);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
         {
+            int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+            btScalar extents =
+                halfA[i1] * part[i2][j] + halfA[i2] * part[i1][j] + halfB[j1] * part[i][j2] + halfB[j2] * part[i][j1];
+            btScalar apart = btFabs(inA[i2] * turn[i1][j] - inA[i1] * turn[i2][j]) - extents;
+            btScalar length2 = turn[i1][j] * turn[i1][j] + turn[i2][j] * turn[i2][j];
+            if (!(apart > 0) || (gap > 0 && apart * apart <= gap * gap * length2))
+                continue;
+            // Again along a unit vector: the error of `apart` grows with its inverse length.
             btVector3 cross = basisA.getColumn(i).cross(basisB.getColumn(j));
             if (cross.length2() > s_minSine2)
-                take(cross.normalized());
+                gap = std::max(gap, gapAlong(cross.normalized()));
         }
     btScalar size = centreA.length() + centreB.length() + halfA.length() + halfB.length();
     return gap - 32 * std::numeric_limits<btScalar>::epsilon() * size;
