@@ -249,10 +249,17 @@ bool qcMotionLimiter::Hold(const qcSweptPair& pair)
 /// at their starts. If they do already, the pair can't be kept apart in this step.
 void qcMotionLimiter::Release(const qcSweptPair& pair)
 {
-    auto isAtStart = [](const qcSweptObject& swept)
-    { return swept.body == nullptr || swept.fraction > 0 || qcAreSame(swept.start, swept.tested); };
-    // Another pair may have held the islands in this round.
-    if (Hold(pair) || !isAtStart(*pair.first) || !isAtStart(*pair.second))
+    bool changes = Hold(pair);
+    for (qcSweptObject* swept : {pair.first, pair.second})
+    {
+        if (swept->body == nullptr)
+            continue;
+        // The last detection has not seen an island at its start that was held since.
+        changes = changes || swept->fraction > 0 || !qcAreSame(swept->end, swept->start) ||
+                  !qcAreSame(swept->end, swept->tested);
+        swept->fraction = 0;
+    }
+    if (changes)
         return;
     m_exempt.insert(std::minmax(pair.first->number, pair.second->number));
     m_unproven++;
