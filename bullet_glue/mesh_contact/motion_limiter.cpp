@@ -56,7 +56,7 @@ bool IsSwept(const qcSweptObject& swept)
 /// By the numbers of the objects.
 bool IsBefore(const qcSweptPair& x, const qcSweptPair& y)
 {
-    return std::make_pair(x.first->number, x.second->number) < std::make_pair(y.first->number, y.second->number);
+    return qcNumbersOf(x) < qcNumbersOf(y);
 }
 } // namespace
 
@@ -261,7 +261,7 @@ void qcMotionLimiter::Release(const qcSweptPair& pair)
     }
     if (changes)
         return;
-    m_exempt.insert(std::minmax(pair.first->number, pair.second->number));
+    m_exempt.insert(qcNumbersOf(pair));
     m_unproven++;
 }
 
@@ -340,7 +340,7 @@ std::map<qcMotionLimiter::Numbers, qcMotionLimiter::Block> qcMotionLimiter::Find
             block = {{a.swept, b.swept}, part, btScalar(result.proximities[i].distance), 0};
     }
     for (const qcClosingPair& closing : ClosingPairs())
-        blocks[closing.Numbers()] = {closing.pair, closing.FindPart(1), 0, 0};
+        blocks[qcNumbersOf(closing.pair)] = {closing.pair, closing.FindPart(1), 0, 0};
     for (auto& [numbers, block] : blocks)
         block.made = MadePart(block.pair);
     return blocks;
@@ -497,7 +497,7 @@ void qcMotionLimiter::SkipSettledPairs(const std::set<Numbers>& reported)
 {
     auto isSettled = [&](const qcSweptPair& pair)
     {
-        Numbers numbers = std::minmax(pair.first->number, pair.second->number);
+        Numbers numbers = qcNumbersOf(pair);
         bool isTested =
             qcAreSame(pair.first->end, pair.first->tested) && qcAreSame(pair.second->end, pair.second->tested);
         return (isTested && reported.count(numbers) == 0) || m_exempt.count(numbers) > 0;
@@ -523,7 +523,7 @@ bool qcMotionLimiter::StopPairs(bool pushes, int cuts, std::set<Numbers>* report
     for (size_t i = 0; i < result->pairCount; i++)
         reported->insert(NumbersOf(result->pairs[i]));
     for (const qcClosingPair& closing : m_touching.Closing())
-        reported->insert(closing.Numbers());
+        reported->insert(qcNumbersOf(closing.pair));
     CollectTangles(*result);
     if (!HasUnproven(*result) && (pushes || ClosingPairs().empty()))
         return pushes && m_touching.AnyTouches();

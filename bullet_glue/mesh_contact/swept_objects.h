@@ -7,6 +7,7 @@
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
+#include <algorithm>
 #include <memory>
 
 /// A mesh of an object in the scene of motions.
@@ -58,6 +59,12 @@ struct qcSweptObject
 };
 
 using qcSweptPair = std::pair<qcSweptObject*, qcSweptObject*>; ///< the lower number first
+
+/// The numbers of two objects, the lower one first.
+inline std::pair<uint32_t, uint32_t> qcNumbersOf(const qcSweptPair& pair)
+{
+    return std::minmax(pair.first->number, pair.second->number);
+}
 
 /// The largest part of a motion, up to `limit` and bisection, for which `holds` is true; below 0: none.
 template <class Holds> btScalar qcFindLargestPart(btScalar limit, const Holds& holds)

@@ -5,14 +5,6 @@
 
 #include <algorithm>
 
-namespace
-{
-std::pair<uint32_t, uint32_t> NumbersOf(const qcSweptPair& pair)
-{
-    return {pair.first->number, pair.second->number};
-}
-} // namespace
-
 btScalar qcClosingPair::FindPart(btScalar limit) const
 {
     auto isApart = [this](btScalar part)
@@ -39,7 +31,7 @@ void qcTouchingPairs::BeginRound()
 
 bool qcTouchingPairs::Include(const qcSweptPair& pair) const
 {
-    return m_touching.count(NumbersOf(pair)) > 0;
+    return m_touching.count(qcNumbersOf(pair)) > 0;
 }
 
 void qcTouchingPairs::Keep(const qcSweptPair& pair, const btVector3& axis, btScalar error, qcMotionPlanes* planes)
@@ -48,7 +40,7 @@ void qcTouchingPairs::Keep(const qcSweptPair& pair, const btVector3& axis, btSca
     qcPlacedSupport endA{a.hull, a.end}, endB{b.hull, b.end};
     btScalar gap = qcGapAlong(endA, endB, axis);
     bool touches = gap <= error && qcSeparateHulls(endA, endB, axis, error).gap <= error;
-    m_touching[NumbersOf(pair)] = touches;
+    m_touching[qcNumbersOf(pair)] = touches;
     if (!touches)
         return;
     planes->AddHulls(pair.first, pair.second, axis, 2 * error);

@@ -14,10 +14,6 @@ struct qcClosingPair
     btVector3 axis;  ///< along which they touch, from the first to the second
     btScalar minGap; ///< of their hulls at the end
 
-    std::pair<uint32_t, uint32_t> Numbers() const
-    {
-        return {pair.first->number, pair.second->number};
-    }
     /// The largest part of the motions, up to `limit` and bisection, that leaves that gap; below 0: none.
     btScalar FindPart(btScalar limit) const;
 };

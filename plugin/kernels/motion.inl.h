@@ -99,7 +99,7 @@ QC_INLINE void FindOrders(const PairLanes* l, Vectors axis, Ints order[2])
 {
     const Floats zero = {0};
     Floats u = Dot(axis, l->b), v = Dot(axis, l->c), p = Dot(axis, l->d), q = Dot(axis, l->e), r = Dot(axis, l->f);
-    Floats minGap = MaxFloats((Absolute(axis.x) + Absolute(axis.y) + Absolute(axis.z)) * l->gap, zero + 1e-20f);
+    Floats minGap = MaxFloats(SumOfAbsolutes(axis) * l->gap, zero + 1e-20f);
     order[0] = MinFloats(zero, MinFloats(u, v)) - MaxFloats(p, MaxFloats(q, r)) > minGap;
     order[1] = MinFloats(p, MinFloats(q, r)) - MaxFloats(zero, MaxFloats(u, v)) > minGap;
 }

@@ -112,11 +112,8 @@ QC_INLINE Classes ClassifyLanes(const PairLanes* l, const qcDistanceThresholds* 
     Floats length2;
     Vectors w = FindShortest(l, &length2);
     Floats scale = l->scale, rounding = 4.0f * 1.0001f * l->error;
-    Floats u = Dot(w, l->b), v = Dot(w, l->c), p = Dot(w, l->d), q = Dot(w, l->e), r = Dot(w, l->f);
-    Floats above = MinFloats(p, MinFloats(q, r)) - MaxFloats(zero, MaxFloats(u, v));
-    Floats below = MinFloats(zero, MinFloats(u, v)) - MaxFloats(p, MaxFloats(q, r));
-    Floats gap = MaxFloats(above, below) - SumOfAbsolutes(w) * (rounding + 4e-6f);
-    Ints disjoint = (gap > zero) & (MaxFloats(above, below) > 1e-20f);
+    Floats projected = FindGap(l, w), gap = projected - SumOfAbsolutes(w) * (rounding + 4e-6f);
+    Ints disjoint = (gap > zero) & (projected > 1e-20f);
     Floats maxLength = thresholds->near * scale * 0.9999f - 2.0f * (rounding + 8e-6f);
     return (Classes){disjoint & (maxLength > zero) & (length2 < maxLength * maxLength),
                      disjoint & (zero + thresholds->near >= zero) &
