@@ -402,18 +402,17 @@ qcRigidLimits* qcSoftBodyContact::Implementation::FindLimits()
     return scene.Bodies().empty() ? nullptr : qcFindRigidLimits(scene.Bodies()[0].body->getWorldInfo()->m_dispatcher);
 }
 
-/// The bodies with meshes in pairs that are not proven apart.
+/// The bodies in zones with pairs that are not proven apart, but for those at their starts.
 std::vector<const btCollisionObject*> qcSoftBodyContact::Implementation::UnprovenRigids()
 {
     std::vector<const btCollisionObject*> objects;
+    auto add = [&objects](const qcSceneRigid& rigid)
+    {
+        if (rigid.body != nullptr && !qcAreSame(rigid.object->getWorldTransform(), rigid.start))
+            objects.push_back(rigid.object);
+    };
     for (const qcUnprovenPair& unproven : m_unproven)
-        for (uint32_t slot : {unproven.pair.bodyA, unproven.pair.bodyB})
-        {
-            qcSceneRigid* rigid = nullptr;
-            bool isBody = scene.meshes.Find(slot, &rigid) != nullptr && rigid->body != nullptr;
-            if (isBody && !qcAreSame(rigid->object->getWorldTransform(), rigid->start))
-                objects.push_back(rigid->object);
-        }
+        m_zones.ForEachObjectWith(unproven.pair, add);
     return objects;
 }
 
@@ -432,6 +431,7 @@ qcStatus qcSoftBodyContact::Implementation::LimitRigids(btScalar timeStep)
         limits->LimitAgain(timeStep, held, &moved);
         if (!scene.meshes.Fix(moved))
             return qc_statusOk;
+        m_zones.Renew();
         qcStatus status = Certify();
         if (status == qc_statusOk)
             status = SolvePlanes();

@@ -10,7 +10,6 @@
 
 namespace
 {
-constexpr uint32_t s_none = UINT32_MAX;
 // A tensor of inertia is inverted if its determinant, relative to its trace cubed, is at least this.
 constexpr btScalar s_minDeterminant = btScalar(1e-4);
 // Relative rounding of a transformed point, with room.
@@ -108,6 +107,15 @@ void qcSoftZones::CollectMembers()
     m_moved.assign(m_members.size(), Motion::Rigid);
     m_motions.assign(m_members.size(), btTransform::getIdentity());
     m_zones.assign(m_members.size(), s_none);
+}
+
+void qcSoftZones::Renew()
+{
+    for (Member& member : m_members)
+        if (member.rigid != nullptr && !member.rigid->IsFree())
+            member.target = member.rigid->object->getWorldTransform();
+    m_states.assign(m_members.size(), State());
+    m_moved.assign(m_members.size(), Motion::Rigid);
 }
 
 void qcSoftZones::AppendMembersOf(uint32_t slot, uint32_t triangle, std::vector<uint32_t>* members) const
@@ -251,15 +259,23 @@ btScalar qcSoftZones::DeviationOf(uint32_t slot, uint32_t triangle, const btTran
     return deviation + s_rounding * size;
 }
 
-bool qcSoftZones::KeepsApart(const qcPair& pair, btScalar distance) const
+/// The zone in which all of both triangles was in the last Move, or s_none.
+uint32_t qcSoftZones::ZoneOf(const qcPair& pair) const
 {
     if (m_members.empty())
-        return false;
+        return s_none;
     std::vector<uint32_t> members;
     AppendMembersOf(pair.bodyA, pair.triangleA, &members);
     AppendMembersOf(pair.bodyB, pair.triangleB, &members);
     const uint32_t zone = m_zones[members[0]];
-    if (zone == s_none || std::any_of(members.begin(), members.end(), [&](uint32_t m) { return m_zones[m] != zone; }))
+    auto isInIt = [&](uint32_t member) { return m_zones[member] == zone; };
+    return std::all_of(members.begin(), members.end(), isInIt) ? zone : s_none;
+}
+
+bool qcSoftZones::KeepsApart(const qcPair& pair, btScalar distance) const
+{
+    const uint32_t zone = ZoneOf(pair);
+    if (zone == s_none)
         return false;
     // On the way from the identity to a rotation by an angle, an affine motion shortens no vector below the cosine of
     // half the angle.

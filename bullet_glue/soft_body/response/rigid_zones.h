@@ -20,6 +20,8 @@ class qcSoftZones
     /// Unites the zones of both triangles of a pair that is not proven apart. False: nothing has changed, since both
     /// are in one zone that has been returned to its start already.
     bool Add(const qcPair& pair);
+    /// Objects have been fixed where they are now: zones follow them, and have all their motions again.
+    void Renew();
     /// Moves all zones from the start of the step.
     void Move();
     /// True if both triangles have made the motion of one zone, up to rounding that is too small to close their
@@ -27,6 +29,14 @@ class qcSoftZones
     bool KeepsApart(const qcPair& pair, btScalar distance) const;
     /// Nodes in zones.
     int NodeCount() const;
+    /// Calls function(object) for each object in the zone of a pair.
+    template <typename Function> void ForEachObjectWith(const qcPair& pair, Function function) const
+    {
+        const uint32_t zone = ZoneOf(pair);
+        for (size_t i = m_firstObject; zone != s_none && i < m_members.size(); i++)
+            if (m_isInZone[i] && m_zones[i] == zone)
+                function(*m_members[i].rigid);
+    }
     /// Calls function(body, node) for each node in a zone.
     template <typename Function> void ForEachNode(Function function) const
     {
@@ -60,7 +70,10 @@ class qcSoftZones
             target; ///< of an object: transform at the end of its own motion; of a node: position without its shift
     };
 
+    static constexpr uint32_t s_none = UINT32_MAX;
+
     void CollectMembers();
+    uint32_t ZoneOf(const qcPair& pair) const;
     void AppendMembersOf(uint32_t slot, uint32_t triangle, std::vector<uint32_t>* members) const;
     btTransform FindMotion(const std::vector<uint32_t>& zone, bool rotates) const;
     void MoveZone(const std::vector<uint32_t>& zone);

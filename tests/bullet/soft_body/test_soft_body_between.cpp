@@ -63,8 +63,7 @@ struct BetweenWorld
         }
         contact.setThreadCount(1);
         contact.addTo(world.get());
-        world->setGravity(btVector3(0, 0, 0));
-        info->m_gravity = btVector3(0, 0, 0);
+        SetGravity(btVector3(0, 0, 0));
     }
 
     ~BetweenWorld()
@@ -73,6 +72,12 @@ struct BetweenWorld
             world->removeRigidBody(body.get());
         RemoveCloth();
         delete cloth;
+    }
+
+    void SetGravity(const btVector3& gravity)
+    {
+        world->setGravity(gravity);
+        info->m_gravity = gravity;
     }
 
     void RemoveCloth()
@@ -122,6 +127,15 @@ struct BetweenWorld
         ck_assert_int_eq(soft->getStatistics().status, qc_statusOk);
         ck_assert_int_eq(contact.getStatistics().status, qc_statusOk);
     }
+
+    /// A step in which nothing passes.
+    void StepApart()
+    {
+        Step();
+        ck_assert_int_eq(soft->getStatistics().unproven, 0);
+        ck_assert_int_eq(contact.getStatistics().unproven, 0);
+        ck_assert_uint_eq(oracle.Count(), 0);
+    }
 };
 
 btTransform Place(int start, btScalar y)
@@ -139,12 +153,7 @@ void Throw(bool deformable, const qcModel& model, int start)
     world.AddMesh(model, Place(start, btScalar(-0.9) + Jitter(start, 1)), 1, 30);
     world.AddMesh(model, Place(start, btScalar(0.9) + Jitter(start, 3)), 1, -30);
     for (int step = 0; step < 20; step++)
-    {
-        world.Step();
-        ck_assert_int_eq(world.soft->getStatistics().unproven, 0);
-        ck_assert_int_eq(world.contact.getStatistics().unproven, 0);
-        ck_assert_uint_eq(world.oracle.Count(), 0);
-    }
+        world.StepApart();
 }
 } // namespace
 
@@ -174,12 +183,7 @@ static void ThrowCloth(bool deformable, btScalar mass, int start)
     below.getOrigin() -= btVector3(0, btScalar(0.05), 0);
     world.AddMesh(qcFloorModel(0.3, 1), below, mass, 0);
     for (int step = 0; step < 12; step++)
-    {
-        world.Step();
-        ck_assert_int_eq(world.soft->getStatistics().unproven, 0);
-        ck_assert_int_eq(world.contact.getStatistics().unproven, 0);
-        ck_assert_uint_eq(world.oracle.Count(), 0);
-    }
+        world.StepApart();
 }
 
 START_TEST(a_heavy_cloth_does_not_push_a_sheet_through_a_sheet)
@@ -213,13 +217,30 @@ START_TEST(a_cloth_on_a_floor_is_not_pierced_by_stacked_sheets_that_are_hit)
             world.AddMesh(qcFloorModel(0.2, 1), at, 1, i > 0 ? btScalar(-60) : btScalar(-5));
         }
         for (int step = 0; step < 12; step++)
-        {
-            world.Step();
-            ck_assert_int_eq(world.soft->getStatistics().unproven, 0);
-            ck_assert_int_eq(world.contact.getStatistics().unproven, 0);
-            ck_assert_uint_eq(world.oracle.Count(), 0);
-        }
+            world.StepApart();
     }
+}
+END_TEST
+
+START_TEST(pieces_that_lie_close_do_not_pass_the_cloth_on_which_they_fall)
+{
+    BetweenWorld world(_i == 1);
+    world.SetGravity(btVector3(0, btScalar(-9.81), 0));
+    world.AddCloth(1, 25);
+    world.cloth->setTotalMass(1);
+    world.cloth->getCollisionShape()->setMargin(btScalar(0.02));
+    for (int node : {0, 24, 600, 624})
+        world.cloth->setMass(node, 0);
+    for (int i = 0; i < 27; i++)
+    {
+        const btVector3 place(btScalar(0.12 * (i % 3 - 1)), btScalar(0.4 + 0.12 * (i / 9)),
+                              btScalar(0.12 * (i / 3 % 3 - 1)));
+        btRigidBody* piece = world.AddMesh(qcBoxModel(btVector3(1, 1, 1) * btScalar(0.05994), 1),
+                                           btTransform(btQuaternion::getIdentity(), place), btScalar(0.1), 0);
+        piece->setLinearVelocity(btVector3(Jitter(i, 0), Jitter(i, 1), Jitter(i, 2)) * 6);
+    }
+    for (int step = 0; step < 120; step++)
+        world.StepApart();
 }
 END_TEST
 
@@ -233,6 +254,7 @@ int main()
     tcase_add_loop_test(tests, a_heavy_cloth_does_not_push_a_sheet_through_a_sheet, 0, 2);
     tcase_add_loop_test(tests, a_heavy_cloth_does_not_pass_a_sheet_that_another_one_stops, 0, 2);
     tcase_add_loop_test(tests, a_cloth_on_a_floor_is_not_pierced_by_stacked_sheets_that_are_hit, 0, 2);
+    tcase_add_loop_test(tests, pieces_that_lie_close_do_not_pass_the_cloth_on_which_they_fall, 0, 2);
     suite_add_tcase(suite, tests);
     return qcRunSuite(suite);
 }
