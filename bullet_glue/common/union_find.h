@@ -18,6 +18,13 @@ class qcUnionFind
         std::iota(m_parents.begin(), m_parents.end(), 0u);
     }
 
+    /// Adds numbers up to a count, each a set of its own.
+    void Grow(size_t count)
+    {
+        while (m_parents.size() < count)
+            m_parents.push_back(uint32_t(m_parents.size()));
+    }
+
     /// The representative of a number's set: its smallest number.
     uint32_t Find(uint32_t number)
     {

@@ -99,14 +99,26 @@ void qcSoftZones::CollectMembers()
                 {&soft, nullptr, uint32_t(i), Translation(soft.start[i] + soft.MotionOf(i, soft.start[i]))});
     }
     m_firstObject = uint32_t(m_members.size());
-    for (const std::unique_ptr<qcSceneRigid>& rigid : m_scene.meshes.Rigids())
-        m_members.push_back({nullptr, rigid.get(), 0, rigid->object->getWorldTransform()});
-    m_sets.Reset(m_members.size());
-    m_isInZone.assign(m_members.size(), false);
-    m_states.assign(m_members.size(), State());
-    m_moved.assign(m_members.size(), Motion::Rigid);
-    m_motions.assign(m_members.size(), btTransform::getIdentity());
-    m_zones.assign(m_members.size(), s_none);
+    m_sets.Reset(0);
+    m_isInZone.clear();
+    m_states.clear();
+    m_moved.clear();
+    m_motions.clear();
+    m_zones.clear();
+}
+
+/// Appends the objects that are new in the scene.
+void qcSoftZones::CollectObjects()
+{
+    const std::vector<std::unique_ptr<qcSceneRigid>>& rigids = m_scene.meshes.Rigids();
+    for (size_t i = m_members.size() - m_firstObject; i < rigids.size(); i++)
+        m_members.push_back({nullptr, rigids[i].get(), 0, rigids[i]->object->getWorldTransform()});
+    m_sets.Grow(m_members.size());
+    m_isInZone.resize(m_members.size(), false);
+    m_states.resize(m_members.size());
+    m_moved.resize(m_members.size(), Motion::Rigid);
+    m_motions.resize(m_members.size(), btTransform::getIdentity());
+    m_zones.resize(m_members.size(), s_none);
 }
 
 void qcSoftZones::Renew()
@@ -139,6 +151,7 @@ bool qcSoftZones::Add(const qcPair& pair)
 {
     if (m_members.empty())
         CollectMembers();
+    CollectObjects();
     std::vector<uint32_t> members;
     AppendMembersOf(pair.bodyA, pair.triangleA, &members);
     AppendMembersOf(pair.bodyB, pair.triangleB, &members);
@@ -268,7 +281,8 @@ uint32_t qcSoftZones::ZoneOf(const qcPair& pair) const
     AppendMembersOf(pair.bodyA, pair.triangleA, &members);
     AppendMembersOf(pair.bodyB, pair.triangleB, &members);
     const uint32_t zone = m_zones[members[0]];
-    auto isInIt = [&](uint32_t member) { return m_zones[member] == zone; };
+    // An object may be new in the scene.
+    auto isInIt = [&](uint32_t member) { return member < m_members.size() && m_zones[member] == zone; };
     return std::all_of(members.begin(), members.end(), isInIt) ? zone : s_none;
 }
 

@@ -73,6 +73,7 @@ class qcSoftZones
     static constexpr uint32_t s_none = UINT32_MAX;
 
     void CollectMembers();
+    void CollectObjects();
     uint32_t ZoneOf(const qcPair& pair) const;
     void AppendMembersOf(uint32_t slot, uint32_t triangle, std::vector<uint32_t>* members) const;
     btTransform FindMotion(const std::vector<uint32_t>& zone, bool rotates) const;

@@ -299,6 +299,17 @@ void qcSoftBodyMeshes::FindMeshes(qcSceneRigid* rigid, const Overlap& overlap)
     }
 }
 
+/// An object with its shapes that have triangles, and without meshes yet.
+std::unique_ptr<qcSceneRigid> qcSoftBodyMeshes::MakeRigid(const Overlap& overlap) const
+{
+    std::unique_ptr<qcSceneRigid> rigid(new qcSceneRigid);
+    rigid->object = overlap.object;
+    rigid->uniqueId = qcUniqueIdOf(overlap.object);
+    rigid->withSurfaces = overlap.withSurfaces;
+    rigid->shapes = ShapesOf(overlap.object, overlap.withSurfaces);
+    return rigid;
+}
+
 /// The collected objects that have meshes. Those that are tracked already, unchanged, are moved out of m_rigids.
 std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
 {
@@ -306,11 +317,7 @@ std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
     std::vector<std::unique_ptr<qcSceneRigid>> rigids;
     for (const Overlap& overlap : m_overlaps)
     {
-        std::unique_ptr<qcSceneRigid> rigid(new qcSceneRigid);
-        rigid->object = overlap.object;
-        rigid->uniqueId = qcUniqueIdOf(overlap.object);
-        rigid->withSurfaces = overlap.withSurfaces;
-        rigid->shapes = ShapesOf(overlap.object, overlap.withSurfaces);
+        std::unique_ptr<qcSceneRigid> rigid = MakeRigid(overlap);
         if (rigid->shapes.empty())
             continue;
         auto isSame = [&](const std::unique_ptr<qcSceneRigid>& other)
@@ -377,6 +384,41 @@ qcStatus qcSoftBodyMeshes::Sync(qcScene* scene)
             status = tracked;
     }
     IndexSlots();
+    return status;
+}
+
+bool qcSoftBodyMeshes::MayMiss() const
+{
+    auto isInPart = [](const qcSceneShape& shape) { return shape.surface != nullptr && !shape.surface->isWhole; };
+    auto hasParts = [&](const std::unique_ptr<qcSceneRigid>& rigid)
+    { return std::any_of(rigid->shapes.begin(), rigid->shapes.end(), isInPart); };
+    return m_candidates.size() > m_rigids.size() || std::any_of(m_rigids.begin(), m_rigids.end(), hasParts);
+}
+
+qcStatus qcSoftBodyMeshes::Extend(qcScene* scene, bool* added)
+{
+    qcStatus status = qc_statusOk;
+    MergeOverlaps();
+    for (const Overlap& overlap : m_overlaps)
+    {
+        // An object that contacts move is in the scene once.
+        auto isThere = [&](const std::unique_ptr<qcSceneRigid>& rigid)
+        {
+            bool hasAll = rigid->withSurfaces >= overlap.withSurfaces && Cover(*rigid, overlap);
+            return rigid->object == overlap.object && (hasAll || rigid->body != nullptr);
+        };
+        if (std::any_of(m_rigids.begin(), m_rigids.end(), isThere))
+            continue;
+        std::unique_ptr<qcSceneRigid> rigid = MakeRigid(overlap);
+        FindMeshes(rigid.get(), overlap);
+        if (rigid->meshes.empty() || status != qc_statusOk)
+            continue;
+        status = Track(scene, std::move(rigid));
+        *added = true;
+    }
+    m_overlaps.clear();
+    if (*added)
+        IndexSlots();
     return status;
 }
 

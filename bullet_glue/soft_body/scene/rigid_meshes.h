@@ -108,6 +108,10 @@ class qcSoftBodyMeshes
     }
     /// Makes the scene's meshes those of the objects collected since the last call.
     qcStatus Sync(qcScene* scene);
+    /// True if there are objects, or parts of surfaces, that are not in the scene.
+    bool MayMiss() const;
+    /// Adds the meshes of the objects collected since the last call, where they are not in the scene. Sets `added`.
+    qcStatus Extend(qcScene* scene, bool* added);
     /// Sets the objects' present transforms in the scene, or those of the start of the step.
     qcStatus SyncTransforms(qcScene* scene, bool atStart = false);
     /// Appends the boxes of the meshes' motions from the start of the step, enlarged by `reach`.
@@ -151,6 +155,7 @@ class qcSoftBodyMeshes
     void FindBox(const Overlap& overlap, const btTransform& local, btVector3 box[2]) const;
     bool Cover(const qcSceneRigid& rigid, const Overlap& overlap) const;
     void FindMeshes(qcSceneRigid* rigid, const Overlap& overlap);
+    std::unique_ptr<qcSceneRigid> MakeRigid(const Overlap& overlap) const;
     std::vector<std::unique_ptr<qcSceneRigid>> TakeTracked();
     qcStatus Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid);
     void IndexSlots();
@@ -160,7 +165,8 @@ class qcSoftBodyMeshes
     std::vector<qcObjectStarts::Present> m_candidates; ///< the objects of the step that may have meshes
     qcSurfaceCache m_surfaces;
     std::vector<Overlap> m_overlaps;
-    std::vector<std::unique_ptr<qcSceneRigid>> m_rigids; ///< by unique id: in the order in which they were added
+    /// By unique id, in the order in which they were added; then those of Extend.
+    std::vector<std::unique_ptr<qcSceneRigid>> m_rigids;
     std::vector<std::pair<qcSceneRigid*, size_t>> m_meshOfSlot;
 };
 

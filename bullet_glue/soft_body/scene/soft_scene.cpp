@@ -292,13 +292,40 @@ qcStatus qcSoftBodyScene::ReadSolved(btScalar timeStep)
         tracked.positions = tracked.solved;
         tracked.shifts.clear();
         tracked.inContact = false;
-        const btSoftBodyWorldInfo* info = tracked.body->getWorldInfo();
-        const btVector3 around(tracked.thickness, tracked.thickness, tracked.thickness);
-        if (tracked.CollidesWithRigidBodies() && info->m_broadphase != nullptr && tracked.hasSolvedBox)
-            meshes.CollectOverlapping(info->m_broadphase, tracked.solvedBox[0] - around, tracked.solvedBox[1] + around,
-                                      tracked.CollidesWithSurfaces());
+        if (tracked.hasSolvedBox)
+            CollectMeshes(tracked, tracked.solvedBox);
     }
     return meshes.Sync(m_scene);
+}
+
+/// Collects the objects near a box around the motion of a body.
+void qcSoftBodyScene::CollectMeshes(qcSceneSoftBody& tracked, const btVector3 box[2])
+{
+    btBroadphaseInterface* broadphase = tracked.body->getWorldInfo()->m_broadphase;
+    const btVector3 around(tracked.thickness, tracked.thickness, tracked.thickness);
+    tracked.collectedBox[0] = box[0] - around;
+    tracked.collectedBox[1] = box[1] + around;
+    if (tracked.CollidesWithRigidBodies() && broadphase != nullptr)
+        meshes.CollectOverlapping(broadphase, tracked.collectedBox[0], tracked.collectedBox[1],
+                                  tracked.CollidesWithSurfaces());
+}
+
+/// Contacts may move bodies out of the boxes in which meshes were collected, and into further ones: adds these.
+qcStatus qcSoftBodyScene::FollowMotions(bool* added)
+{
+    if (!meshes.MayMiss())
+        return qc_statusOk;
+    for (qcSceneSoftBody& tracked : m_bodies)
+    {
+        auto isIn = [&tracked](const btVector3& position)
+        { return TestPointAgainstAabb2(tracked.collectedBox[0], tracked.collectedBox[1], position); };
+        // The scene's query reports a node that is not finite.
+        btVector3 box[2];
+        if (tracked.hasSolvedBox && !std::all_of(tracked.positions.begin(), tracked.positions.end(), isIn) &&
+            qcFindMotionBox(tracked.start, tracked.positions, 0, box))
+            CollectMeshes(tracked, box);
+    }
+    return meshes.Extend(m_scene, added);
 }
 
 //  ---- what the scene has of the bodies ----------------------------------------------------------------------------
@@ -390,8 +417,11 @@ qcStatus qcSoftBodyScene::SyncPositions()
 {
     if (AreAllAlone())
         return qc_statusOk;
+    bool isFurther = false;
+    qcStatus status = FollowMotions(&isFurther);
     // What contacts have moved may have come near a body that was alone.
-    qcStatus status = FindLone(false) ? MarkStarts(false) : qc_statusOk;
+    if (status == qc_statusOk && (FindLone(false) || isFurther))
+        status = MarkStarts(false);
     for (size_t i = 0; i < m_bodies.size() && status == qc_statusOk; i++)
         status = SetVertices(m_bodies[i], m_bodies[i].positions);
     return status == qc_statusOk ? meshes.SyncTransforms(m_scene) : status;

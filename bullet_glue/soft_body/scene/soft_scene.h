@@ -50,6 +50,7 @@ struct qcSceneSoftBody
     std::vector<btVector3> solved;    ///< after Bullet's own solvers
     btVector3 solvedBox[2];           ///< around `start` and `solved`
     bool hasSolvedBox = false;        ///< there are nodes, and all are finite
+    btVector3 collectedBox[2];        ///< the scene has the meshes in it
     bool isSolvedStretched = false;   ///< qcIsStretchedChain from `start` to `solved`
     std::vector<btVector3> positions; ///< after contacts so far; copied to Bullet's nodes at the end of the step
     /// The parts of the positions that untangling added in this step; they give no velocity. Empty: none.
@@ -205,6 +206,8 @@ class qcSoftBodyScene
     void ApplySettings(qcSceneSoftBody& tracked);
     void ApplyFilters(const qcSceneSoftBody& tracked);
     void ApplyThickness(qcSceneSoftBody& tracked);
+    void CollectMeshes(qcSceneSoftBody& tracked, const btVector3 box[2]);
+    qcStatus FollowMotions(bool* added);
     void AddMotionBox(qcSceneSoftBody& tracked, btScalar reach);
     void FindPartners(bool mayLeaveOut);
     bool FindLone(bool starts);

@@ -222,6 +222,23 @@ START_TEST(a_cloth_on_a_floor_is_not_pierced_by_stacked_sheets_that_are_hit)
 }
 END_TEST
 
+START_TEST(a_cloth_that_a_mesh_carries_along_does_not_pass_the_floor_that_it_meets_there)
+{
+    for (int start = 0; start < s_starts; start++)
+    {
+        BetweenWorld world(_i == 1);
+        world.AddCloth(btScalar(0.6), 13);
+        // Further from the cloth than it moves by itself.
+        btTransform below = btTransform::getIdentity();
+        below.setOrigin(btVector3(0, btScalar(-0.5), 0));
+        world.AddMesh(qcFloorModel(2, 4), below, 0, 0);
+        world.AddMesh(qcSphereModel(0.15, 2), Place(start, btScalar(0.2)), 50, -60);
+        for (int step = 0; step < 8; step++)
+            world.StepApart();
+    }
+}
+END_TEST
+
 START_TEST(pieces_that_lie_close_do_not_pass_the_cloth_on_which_they_fall)
 {
     BetweenWorld world(_i == 1);
@@ -254,6 +271,7 @@ int main()
     tcase_add_loop_test(tests, a_heavy_cloth_does_not_push_a_sheet_through_a_sheet, 0, 2);
     tcase_add_loop_test(tests, a_heavy_cloth_does_not_pass_a_sheet_that_another_one_stops, 0, 2);
     tcase_add_loop_test(tests, a_cloth_on_a_floor_is_not_pierced_by_stacked_sheets_that_are_hit, 0, 2);
+    tcase_add_loop_test(tests, a_cloth_that_a_mesh_carries_along_does_not_pass_the_floor_that_it_meets_there, 0, 2);
     tcase_add_loop_test(tests, pieces_that_lie_close_do_not_pass_the_cloth_on_which_they_fall, 0, 2);
     suite_add_tcase(suite, tests);
     return qcRunSuite(suite);
