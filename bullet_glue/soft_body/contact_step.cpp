@@ -32,7 +32,6 @@ void qcSoftBodyContact::Implementation::BeginStep(const btAlignedObjectArray<btS
 {
     manifolds.Release();
     scene.liveObjects.clear();
-    scene.BeginStep(bodies);
     for (int i = 0; i < bodies.size(); i++)
         algorithmOverride.Register(bodies[i]->getWorldInfo()->m_dispatcher);
 }

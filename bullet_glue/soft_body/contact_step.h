@@ -15,8 +15,9 @@
 #include "soft_body/response/separating_planes.h"
 #include "soft_body/response/untangle.h"
 
-/// A world's step calls, in this order, BeginStep before collision detection, ReadStart while nodes have the positions
-/// of the start of the step, Resolve after Bullet's own solvers, and DispatchCallbacks at its end.
+/// A world's step calls, in this order, BeginStep before collision detection, the scene's BeginStep between the
+/// pre-tick callback and Bullet's integration, ReadStart while nodes have the positions of the start of the step,
+/// Resolve after Bullet's own solvers, and DispatchCallbacks at its end.
 struct qcSoftBodyContact::Implementation
 {
     explicit Implementation(qcDevice* device) : scene(device), algorithmOverride(scene), m_zones(scene)

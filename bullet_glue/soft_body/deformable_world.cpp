@@ -47,6 +47,7 @@ void qcDeformableWorld::internalSingleStepSimulation(btScalar timeStep)
     if (m_internalPreTickCallback != nullptr)
         m_internalPreTickCallback(this, timeStep);
     m_implementation->BeginStep(getSoftBodyArray());
+    m_implementation->scene.BeginStep(getSoftBodyArray());
     reinitialize(timeStep);
     applyRigidBodyGravity(timeStep);
     predictUnconstraintMotion(timeStep);

@@ -32,6 +32,13 @@ void qcSoftBodySolver::optimize(btAlignedObjectArray<btSoftBody*>& softBodies, b
     btDefaultSoftBodySolver::optimize(softBodies, forceUpdate);
 }
 
+void qcSoftBodySolver::predictMotion(btScalar timeStep)
+{
+    // Bullet has called the pre-tick callback since, and integrates later.
+    m_implementation->scene.BeginStep(m_softBodySet);
+    btDefaultSoftBodySolver::predictMotion(timeStep);
+}
+
 void qcSoftBodySolver::processCollision(btSoftBody*, btSoftBody*)
 {
     // All contacts are solved together, after Bullet's own constraints have moved the nodes.

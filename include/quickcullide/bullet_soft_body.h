@@ -216,6 +216,8 @@ class QC_API qcSoftBodySolver : public btDefaultSoftBodySolver, public qcSoftBod
 
     /// Receives the world's soft bodies at the beginning of a step.
     void optimize(btAlignedObjectArray<btSoftBody*>& softBodies, bool forceUpdate = false) override;
+    /// Reads where rigid bodies start: the pre-tick callback may have put them elsewhere.
+    void predictMotion(btScalar timeStep) override;
     /// Runs Bullet's constraints, then moves nodes apart.
     void solveConstraints(btScalar timeStep) override;
     /// Updates normals and bounds, then calls contact callbacks.

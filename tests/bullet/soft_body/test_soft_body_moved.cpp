@@ -185,6 +185,24 @@ START_TEST(an_object_that_is_put_elsewhere_sweeps_over_nothing)
 }
 END_TEST
 
+/// Puts the body in the world's user data below the cloth.
+static void PutBelow(btDynamicsWorld* world, btScalar)
+{
+    static_cast<btRigidBody*>(world->getWorldUserInfo())->setCenterOfMassTransform(At(-1));
+}
+
+START_TEST(a_body_that_the_pre_tick_callback_puts_elsewhere_sweeps_over_nothing)
+{
+    MovedWorld world(MovedStatic, PlateModel(), 5);
+    btRigidBody* ball = world.AddMesh(qcSphereModel(0.1, 2), 1, btVector3(0, 1, 0));
+    world.Step();
+    world.world.setInternalTickCallback(PutBelow, ball, true);
+    world.Step();
+    ck_assert_double_eq_tol(double(world.Height()), 0, 1e-3);
+    ck_assert_double_eq_tol(double(ball->getWorldTransform().getOrigin().y()), -1, 1e-3);
+}
+END_TEST
+
 int main()
 {
     Suite* suite = suite_create("moved objects");
@@ -197,6 +215,7 @@ int main()
                         MotionStateKinematic + 1);
     tcase_add_loop_test(tests, a_ball_that_moves_by_more_than_its_size_is_no_less_in_motion, 0, KindCount);
     tcase_add_loop_test(tests, an_object_that_is_put_elsewhere_sweeps_over_nothing, 0, KindCount);
+    tcase_add_test(tests, a_body_that_the_pre_tick_callback_puts_elsewhere_sweeps_over_nothing);
     suite_add_tcase(suite, tests);
     return qcRunSuite(suite);
 }
