@@ -8,11 +8,19 @@
 #include <utility>
 #include <vector>
 
-/// A snapshot of the proxies, taken by the first query. Reads nothing of the objects: they may be deleted already.
+/// A snapshot of the proxies, or of those that overlap a box, taken by the first query. Reads nothing of the objects:
+/// they may be deleted already.
 class qcLiveObjects : public btBroadphaseAabbCallback
 {
   public:
-    explicit qcLiveObjects(btBroadphaseInterface* broadphase) : m_broadphase(broadphase)
+    explicit qcLiveObjects(btBroadphaseInterface* broadphase)
+        : qcLiveObjects(broadphase, btVector3(-BT_LARGE_FLOAT, -BT_LARGE_FLOAT, -BT_LARGE_FLOAT),
+                        btVector3(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT))
+    {
+    }
+
+    qcLiveObjects(btBroadphaseInterface* broadphase, const btVector3& lower, const btVector3& upper)
+        : m_broadphase(broadphase), m_lower(lower), m_upper(upper)
     {
     }
 
@@ -27,8 +35,7 @@ class qcLiveObjects : public btBroadphaseAabbCallback
     {
         if (m_objects.empty())
         {
-            const btVector3 far(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
-            m_broadphase->aabbTest(-far, far, *this);
+            m_broadphase->aabbTest(m_lower, m_upper, *this);
             std::sort(m_objects.begin(), m_objects.end());
         }
         return std::binary_search(m_objects.begin(), m_objects.end(), std::make_pair(object, uniqueId));
@@ -42,6 +49,7 @@ class qcLiveObjects : public btBroadphaseAabbCallback
 
   private:
     btBroadphaseInterface* m_broadphase;
+    btVector3 m_lower, m_upper;
     std::vector<std::pair<const void*, int>> m_objects;
 };
 

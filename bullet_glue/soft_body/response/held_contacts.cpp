@@ -1,6 +1,8 @@
 // Contacts of the previous step in Bullet's own solver.
 #include "soft_body/response/held_contacts.h"
 
+#include "common/live_objects.h"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -120,10 +122,16 @@ void qcHeldContacts::Insert(qcSoftBodyScene& scene)
     for (qcSceneSoftBody& soft : scene.Bodies())
     {
         m_counts.push_back(soft.body->m_scontacts.size());
+        btBroadphaseInterface* broadphase = soft.body->getWorldInfo()->m_broadphase;
+        const btBroadphaseProxy* proxy = soft.body->getBroadphaseHandle();
+        if (!soft.moves || broadphase == nullptr || proxy == nullptr)
+            continue;
+        // A tick callback may have removed objects since collision detection.
+        qcLiveObjects present(broadphase, proxy->m_aabbMin, proxy->m_aabbMax);
         for (const qcHeldContact& held : soft.heldContacts)
         {
-            if (!soft.moves ||
-                !std::binary_search(scene.liveObjects.begin(), scene.liveObjects.end(), held.object, IsLess))
+            if (!std::binary_search(scene.liveObjects.begin(), scene.liveObjects.end(), held.object, IsLess) ||
+                !present.Contains(held.object.object, held.object.uniqueId))
                 continue;
             const btTransform& now = held.object.object->getWorldTransform();
             Inserted inserted = {&soft, &held, now.getBasis() * held.localNormal, held.point, now * held.localPoint};

@@ -203,6 +203,36 @@ START_TEST(a_body_that_the_pre_tick_callback_puts_elsewhere_sweeps_over_nothing)
 }
 END_TEST
 
+/// Removes the body in the world's user data, which no one else then moves.
+static void Remove(btDynamicsWorld* world, btScalar)
+{
+    auto* body = static_cast<btRigidBody*>(world->getWorldUserInfo());
+    world->removeRigidBody(body);
+    body->translate(btVector3(0, 1, 0));
+    world->setInternalTickCallback(nullptr);
+}
+
+START_TEST(a_body_that_the_tick_callback_removes_holds_nothing)
+{
+    qcSoftWorld world;
+    qcModel floor = qcFloorModel(2, 4);
+    btRigidBody* body = world.AddMesh(floor, 0, btVector3(0, 0, 0));
+    btSoftBody* cloth = btSoftBodyHelpers::CreatePatch(world.world.getWorldInfo(), btVector3(-1, btScalar(0.1), -1),
+                                                       btVector3(1, btScalar(0.1), -1), btVector3(-1, btScalar(0.1), 1),
+                                                       btVector3(1, btScalar(0.1), 1), 21, 21, 0, true);
+    world.world.addSoftBody(cloth);
+    world.cloths.push_back(cloth);
+    for (int step = 0; step < 40; step++)
+        world.world.stepSimulation(s_step, 0);
+    ck_assert_int_gt(world.softSolver.getStatistics().contacts, 0);
+    world.world.setInternalTickCallback(Remove, body);
+    world.world.stepSimulation(s_step, 0);
+    // A removed body may be deleted, too.
+    for (int i = 0; i < cloth->m_nodes.size(); i++)
+        ck_assert_double_lt(double(cloth->m_nodes[i].m_x.y()), 0.2);
+}
+END_TEST
+
 int main()
 {
     Suite* suite = suite_create("moved objects");
@@ -216,6 +246,7 @@ int main()
     tcase_add_loop_test(tests, a_ball_that_moves_by_more_than_its_size_is_no_less_in_motion, 0, KindCount);
     tcase_add_loop_test(tests, an_object_that_is_put_elsewhere_sweeps_over_nothing, 0, KindCount);
     tcase_add_test(tests, a_body_that_the_pre_tick_callback_puts_elsewhere_sweeps_over_nothing);
+    tcase_add_test(tests, a_body_that_the_tick_callback_removes_holds_nothing);
     suite_add_tcase(suite, tests);
     return qcRunSuite(suite);
 }
