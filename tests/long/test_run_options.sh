@@ -1,20 +1,25 @@
 #!/bin/sh
-# tests/run.sh refuses an option that is none of its own and none of ctest's, before it builds anything.
+# tests/run.sh refuses an option that is none of its own and none of ctest's, before it builds anything; tests/dragon.sh
+# refuses one before it fetches anything.
 #   test_run_options.sh SOURCE_FOLDER
 set -eu
 
-run=$1/tests/run.sh
+tests=$1/tests
 refused()
 {
+    script=$1
+    shift
     status=0
-    message=$(sh "$run" "$@" 2>&1) || status=$?
+    message=$(sh "$tests/$script" "$@" 2>&1) || status=$?
     if [ "$status" -ne 2 ] || [ "$(echo "$message" | wc -l)" -ne 1 ]; then
-        echo "tests/run.sh $*: status $status, $message"
+        echo "tests/$script $*: status $status, $message"
         exit 1
     fi
 }
 
-refused --lnog
-refused --long --verbsoe
-refused --sanitize adress
-sh "$run" --help | grep -q -e '--long'
+refused run.sh --lnog
+refused run.sh --long --verbsoe
+refused run.sh --sanitize adress
+refused dragon.sh --burte
+sh "$tests/run.sh" --help | grep -q -e '--long'
+sh "$tests/dragon.sh" --help | grep -q -e '--brute'
