@@ -28,16 +28,6 @@ constexpr int s_closingRounds = 24, s_closingSweeps = 256;
 // Sweeps of impulses over the planes of pairs that contact did not stop.
 constexpr int s_impulseSweeps = 4;
 
-void CornersOf(const qcMeshTriangles& triangles, uint32_t triangle, const btTransform& transform, double corners[9])
-{
-    for (size_t c = 0; c < 3; c++)
-    {
-        btVector3 p = transform * triangles.points[triangles.indices[3 * size_t(triangle) + c]];
-        for (int axis = 0; axis < 3; axis++)
-            corners[3 * c + size_t(axis)] = double(p[axis]);
-    }
-}
-
 /// The part of the step's motion along the force that a body does not make.
 btScalar LostPart(const qcSweptObject& swept)
 {
@@ -171,36 +161,54 @@ qcMotionLimiter::Numbers qcMotionLimiter::NumbersOf(const qcPair& pair) const
     return std::minmax(SideOf(pair.bodyA).swept->number, SideOf(pair.bodyB).swept->number);
 }
 
+qcSweptTriangles qcMotionLimiter::TrianglesOf(const qcPair& pair, const qcProximity& atStart) const
+{
+    Side a = SideOf(pair.bodyA), b = SideOf(pair.bodyB);
+    return {&pair, &atStart, {a.swept, a.mesh, pair.triangleA}, {b.swept, b.mesh, pair.triangleB}};
+}
+
 bool qcMotionLimiter::IsExempt(const qcSweptObject& a, const qcSweptObject& b) const
 {
     return m_islands.MoveAsOne(a, b) || m_exempt.count(std::minmax(a.number, b.number)) > 0;
 }
 
-/// Objects that meet at the start are exempt as a whole: a triangle inside another object has to leave it.
-void qcMotionLimiter::CollectTangles(const qcResult& result)
+/// Objects that meet at the start only touch, up to rounding, or are exempt as a whole: a triangle inside another
+/// object has to leave it. True: pairs of small meshes touch that did not count as such.
+bool qcMotionLimiter::CollectMeetings(const qcResult& result)
 {
+    bool anyNew = false;
     for (size_t i = 0; i < result.pairCount; i++)
-        if (result.pairs[i].relation != qc_relationDisjoint)
-            m_exempt.insert(NumbersOf(result.pairs[i]));
+    {
+        const qcPair& pair = result.pairs[i];
+        const qcProximity& atStart = result.proximities[i];
+        const qcSweptTriangles triangles = TrianglesOf(pair, atStart);
+        const qcSweptObject &a = *triangles.a.swept, &b = *triangles.b.swept;
+        if (pair.relation == qc_relationDisjoint && atStart.distance > double(qcCertifiableGap(a, b)))
+            continue;
+        bool touches = !triangles.ArePenetrating(2 * qcTouchingDepth(a, b));
+        (touches ? m_meeting : m_exempt).insert(NumbersOf(pair));
+        if (touches && a.hull != nullptr && b.hull != nullptr)
+            anyNew = m_touching.Add(NumbersOf(pair)) || anyNew;
+    }
+    return anyNew;
 }
 
-/// The largest part of the motions, up to `limit` and bisection, over which two triangles are proven apart; below 0:
-/// none.
-btScalar qcMotionLimiter::CertifiedPart(const qcPair& pair, const Side& a, const Side& b, btScalar limit) const
+/// Finds the pairs of triangles that are not exempt and end neither proven apart nor as they have met at the start.
+void qcMotionLimiter::FindUnproven(const qcResult& result, bool pushes)
 {
-    auto cornersAt = [](const Side& side, uint32_t triangle, const btTransform& transform, double corners[9])
-    { CornersOf(*side.mesh->triangles, triangle, transform * side.mesh->local, corners); };
-    double startA[9], startB[9];
-    cornersAt(a, pair.triangleA, a.swept->start, startA);
-    cornersAt(b, pair.triangleB, b.swept->start, startB);
-    auto isCertified = [&](btScalar part)
+    m_unprovenTriangles.clear();
+    for (size_t i = 0; i < result.pairCount; i++)
     {
-        double endA[9], endB[9];
-        cornersAt(a, pair.triangleA, a.swept->EndAt(part), endA);
-        cornersAt(b, pair.triangleB, b.swept->EndAt(part), endB);
-        return qcTrianglesStayApart(startA, endA, startB, endB, nullptr);
-    };
-    return qcFindLargestPart(limit, isCertified);
+        const qcPair& pair = result.pairs[i];
+        qcSweptTriangles triangles = TrianglesOf(pair, result.proximities[i]);
+        const qcSweptObject &a = *triangles.a.swept, &b = *triangles.b.swept;
+        if (IsExempt(a, b))
+            continue;
+        if (m_meeting.count(NumbersOf(pair)) > 0)
+            triangles.MeetWithin(qcTouchingDepth(a, b));
+        if (triangles.IsUnproven(pushes))
+            m_unprovenTriangles.push_back(triangles);
+    }
 }
 
 /// The part of their own motions that the free objects of a pair make, the larger one.
@@ -275,33 +283,20 @@ std::vector<qcClosingPair> qcMotionLimiter::ClosingPairs() const
     return closing;
 }
 
-bool qcMotionLimiter::HasUnproven(const qcResult& result) const
+/// Adds planes for the pairs of triangles that are not proven apart. Where faces of two objects lie on each other,
+/// planes between these part their other triangles, too, whose directions are less certain.
+void qcMotionLimiter::AddPlanes()
 {
-    return std::any_of(result.pairs, result.pairs + result.pairCount,
-                       [this](const qcPair& pair)
-                       { return !IsExempt(*SideOf(pair.bodyA).swept, *SideOf(pair.bodyB).swept); });
-}
-
-/// Adds planes for the pairs of triangles that are not proven apart.
-void qcMotionLimiter::AddPlanes(const qcResult& result)
-{
-    auto planeSideOf = [](const Side& side, uint32_t triangle)
-    {
-        qcMotionPlaneSide made{side.swept, {}};
-        for (size_t c = 0; c < 3; c++)
-            made.corners[c] = side.mesh->local *
-                              side.mesh->triangles->points[side.mesh->triangles->indices[3 * size_t(triangle) + c]];
-        return made;
-    };
-    for (size_t i = 0; i < result.pairCount; i++)
-    {
-        const qcPair& pair = result.pairs[i];
-        Side a = SideOf(pair.bodyA), b = SideOf(pair.bodyB);
-        if (IsExempt(*a.swept, *b.swept))
-            continue;
-        m_planes.Add(pair, planeSideOf(a, pair.triangleA), planeSideOf(b, pair.triangleB), result.proximities[i]);
-        m_stopped.insert(NumbersOf(pair));
-    }
+    std::set<Numbers> facing;
+    for (const qcSweptTriangles& triangles : m_unprovenTriangles)
+        if (triangles.FaceEachOther())
+            facing.insert(NumbersOf(*triangles.pair));
+    for (const qcSweptTriangles& triangles : m_unprovenTriangles)
+        if (!triangles.meet || triangles.FaceEachOther() || facing.count(NumbersOf(*triangles.pair)) == 0)
+        {
+            triangles.AddPlane(&m_planes);
+            m_stopped.insert(NumbersOf(*triangles.pair));
+        }
 }
 
 /// From now on motions are those to the ends that the planes have found.
@@ -312,32 +307,28 @@ void qcMotionLimiter::EndPlanes()
 }
 
 /// Unites the islands of objects that are not proven apart.
-void qcMotionLimiter::JoinBlocked(const qcResult& result)
+void qcMotionLimiter::JoinBlocked()
 {
-    for (size_t i = 0; i < result.pairCount; i++)
-    {
-        const qcSweptObject &a = *SideOf(result.pairs[i].bodyA).swept, &b = *SideOf(result.pairs[i].bodyB).swept;
-        if (!IsExempt(a, b))
-            m_islands.Join(a, b);
-    }
+    for (const qcSweptTriangles& triangles : m_unprovenTriangles)
+        if (!IsExempt(*triangles.a.swept, *triangles.b.swept))
+            m_islands.Join(*triangles.a.swept, *triangles.b.swept);
     for (const qcClosingPair& closing : ClosingPairs())
         m_islands.Join(*closing.pair.first, *closing.pair.second);
 }
 
 /// The first pair of triangles that meets, or their hulls, for each two objects that are not proven apart.
-std::map<qcMotionLimiter::Numbers, qcMotionLimiter::Block> qcMotionLimiter::FindBlocks(const qcResult& result) const
+std::map<qcMotionLimiter::Numbers, qcMotionLimiter::Block> qcMotionLimiter::FindBlocks() const
 {
     std::map<Numbers, Block> blocks;
-    for (size_t i = 0; i < result.pairCount; i++)
+    for (const qcSweptTriangles& triangles : m_unprovenTriangles)
     {
-        const qcPair& pair = result.pairs[i];
-        Side a = SideOf(pair.bodyA), b = SideOf(pair.bodyB);
-        if (IsExempt(*a.swept, *b.swept))
+        qcSweptPair objects(triangles.a.swept, triangles.b.swept);
+        if (IsExempt(*objects.first, *objects.second))
             continue;
-        Block& block = blocks[NumbersOf(pair)];
-        btScalar part = CertifiedPart(pair, a, b, block.part);
+        Block& block = blocks[qcNumbersOf(objects)];
+        btScalar part = triangles.FindPart(block.part);
         if (block.pair.first == nullptr || part < block.part)
-            block = {{a.swept, b.swept}, part, btScalar(result.proximities[i].distance), 0};
+            block = {objects, part, btScalar(triangles.atStart->distance), 0};
     }
     for (const qcClosingPair& closing : ClosingPairs())
         blocks[qcNumbersOf(closing.pair)] = {closing.pair, closing.FindPart(1), 0, 0};
@@ -348,11 +339,11 @@ std::map<qcMotionLimiter::Numbers, qcMotionLimiter::Block> qcMotionLimiter::Find
 
 /// Cuts the motions of objects that are not proven apart back to the common motion of their island and a part of what
 /// differs from it.
-void qcMotionLimiter::Cut(const qcResult& result, int round)
+void qcMotionLimiter::Cut(int round)
 {
-    JoinBlocked(result);
+    JoinBlocked();
     m_islands.Move();
-    for (const auto& [numbers, block] : FindBlocks(result))
+    for (const auto& [numbers, block] : FindBlocks())
     {
         btScalar margins = block.pair.first->object->getCollisionShape()->getMargin() +
                            block.pair.second->object->getCollisionShape()->getMargin();
@@ -455,6 +446,7 @@ bool qcMotionLimiter::IsSeparated(const qcSweptPair& pair)
     auto isProof = [&](const btVector3& axis)
     { return qcGapAlong(endA, endB, axis) > error && qcGapAlong(startA, startB, axis) > error; };
     bool isNew = a.isNew || b.isNew || m_touching.Include(pair);
+    btScalar depth = isNew ? std::max(error, qcCornerRounding(a, b) / 2) : error;
     bool areTouching = isNew && m_axes.AreTouching(a.object, startA, b.object, startB);
     btVector3 kept = m_axes.GetAxis(a.object, a.end, b.object, b.end);
     if (!areTouching && isProof(kept))
@@ -462,16 +454,17 @@ bool qcMotionLimiter::IsSeparated(const qcSweptPair& pair)
     btVector3 keptAtStart = m_axes.GetAxis(a.object, a.start, b.object, b.start);
     if (areTouching || (isNew && !keptAtStart.fuzzyZero() && qcTouchAlong(startA, startB, keptAtStart)))
     {
-        m_touching.Keep(pair, keptAtStart, error, &m_planes);
+        m_touching.Keep(pair, keptAtStart, depth, &m_planes);
         return true;
     }
     // Only hulls that overlap by rounding need more than the search for the largest gap.
     qcSeparation atStart = isNew ? qcFindSeparation(startA, startB, kept, BT_LARGE_FLOAT, 0)
                                  : qcSeparateHulls(startA, startB, kept, BT_LARGE_FLOAT);
     // Those that have been kept touching are as close as they were, but the bound of rounding is not the same.
-    if (isNew && btFabs(atStart.gap) <= (m_touching.Include(pair) ? 2 : 1) * error)
+    const btScalar factor = m_touching.Include(pair) ? btScalar(2) : btScalar(1);
+    if (isNew && atStart.gap <= factor * error && atStart.gap >= -factor * depth)
     {
-        m_touching.Keep(pair, atStart.axis, error, &m_planes);
+        m_touching.Keep(pair, atStart.axis, depth, &m_planes);
         return true;
     }
     if (atStart.gap <= error)
@@ -524,17 +517,20 @@ bool qcMotionLimiter::StopPairs(bool pushes, int cuts, std::set<Numbers>* report
         reported->insert(NumbersOf(result->pairs[i]));
     for (const qcClosingPair& closing : m_touching.Closing())
         reported->insert(qcNumbersOf(closing.pair));
-    CollectTangles(*result);
-    if (!HasUnproven(*result) && (pushes || ClosingPairs().empty()))
+    const bool anyNew = CollectMeetings(*result);
+    if (pushes && anyNew)
+        return true;
+    FindUnproven(*result, pushes);
+    if (m_unprovenTriangles.empty() && (pushes || ClosingPairs().empty()))
         return pushes && m_touching.AnyTouches();
     if (pushes)
     {
-        AddPlanes(*result);
+        AddPlanes();
         return true;
     }
     if (cuts == 0)
         EndPlanes();
-    Cut(*result, cuts);
+    Cut(cuts);
     return true;
 }
 
@@ -597,6 +593,7 @@ void qcMotionLimiter::Limit(btScalar timeStep, qcMeshContactStatistics* statisti
     m_stopped.clear();
     m_cut.clear();
     m_exempt.clear();
+    m_meeting.clear();
     m_unproven = 0;
     m_touching.BeginStep();
     statistics->limitMs = 0;

@@ -6,6 +6,7 @@
 
 #include "mesh_contact/axis_cache.h"
 #include "mesh_contact/motion_islands.h"
+#include "mesh_contact/swept_triangles.h"
 #include "mesh_contact/touching_pairs.h"
 
 #include <map>
@@ -77,21 +78,21 @@ class qcMotionLimiter
     qcStatus Detect(const qcResult** result);
     Side SideOf(uint32_t slot) const;
     Numbers NumbersOf(const qcPair& pair) const;
-    void CollectTangles(const qcResult& result);
+    qcSweptTriangles TrianglesOf(const qcPair& pair, const qcProximity& atStart) const;
     bool IsExempt(const qcSweptObject& a, const qcSweptObject& b) const;
-    btScalar CertifiedPart(const qcPair& pair, const Side& a, const Side& b, btScalar limit) const;
+    bool CollectMeetings(const qcResult& result);
+    void FindUnproven(const qcResult& result, bool pushes);
     static btScalar MadePart(const qcSweptPair& pair);
     static void Stop(const qcSweptPair& pair, btScalar part, btScalar distance);
     bool IsStill(const qcSweptPair& pair) const;
     bool Hold(const qcSweptPair& pair);
     void Release(const qcSweptPair& pair);
     std::vector<qcClosingPair> ClosingPairs() const;
-    bool HasUnproven(const qcResult& result) const;
-    void AddPlanes(const qcResult& result);
+    void AddPlanes();
     void EndPlanes();
-    void JoinBlocked(const qcResult& result);
-    std::map<Numbers, Block> FindBlocks(const qcResult& result) const;
-    void Cut(const qcResult& result, int round);
+    void JoinBlocked();
+    std::map<Numbers, Block> FindBlocks() const;
+    void Cut(int round);
     void SkipUnmovedPairs();
     void SkipProvenPairs();
     void SortPairs();
@@ -115,7 +116,9 @@ class qcMotionLimiter
     std::vector<qcSweptPair> m_pairs;                            ///< to certify
     std::vector<qcSweptPair> m_unprovenPairs;                    ///< of the present round, by their objects' numbers
     std::vector<std::pair<qcSweptObject*, size_t>> m_meshOfSlot; ///< object and index of its mesh
-    std::set<Numbers> m_exempt; ///< objects that meet at the start of the step, or can't be kept apart in it
+    std::vector<qcSweptTriangles> m_unprovenTriangles;           ///< of the last detection
+    std::set<Numbers> m_exempt;  ///< objects that penetrate at the start of the step, or can't be kept apart in it
+    std::set<Numbers> m_meeting; ///< objects that touch at the start of the step, up to rounding
     qcMotionPlanes m_planes;
     std::set<Numbers> m_stopped, m_previouslyStopped; ///< objects with planes, in this step and in the previous one
     std::set<Numbers> m_cut, m_previouslyCut;         ///< objects whose motions were cut, likewise

@@ -5,6 +5,8 @@
 
 namespace
 {
+// Relative gap that certificates of motion need.
+constexpr btScalar s_certifiable = btScalar(1e-13);
 // Relative rounding of a stored corner: of the transform's rotation, the product and the sum.
 constexpr btScalar s_rounding = 16 * SIMD_EPSILON;
 // The largest rotation by one push, in radians: a push is linear in it.
@@ -81,6 +83,14 @@ void SolvePlane(qcMotionPlane* plane)
     plane->arms[1] = highest.arm;
 }
 
+/// Upper bound of the coordinates of two objects at their ends.
+btScalar LargestCoordinate(const qcSweptObject& a, const qcSweptObject& b)
+{
+    return std::max(a.end.getOrigin().length(), b.end.getOrigin().length()) +
+           a.object->getCollisionShape()->getAngularMotionDisc() +
+           b.object->getCollisionShape()->getAngularMotionDisc();
+}
+
 btVector3 VelocityAt(const qcSweptObject& swept, const btVector3& arm)
 {
     const btRigidBody* body = btRigidBody::upcast(swept.object);
@@ -90,9 +100,17 @@ btVector3 VelocityAt(const qcSweptObject& swept, const btVector3& arm)
 
 btScalar qcCornerRounding(const qcSweptObject& a, const qcSweptObject& b)
 {
-    return s_rounding * (std::max(a.end.getOrigin().length(), b.end.getOrigin().length()) +
-                         a.object->getCollisionShape()->getAngularMotionDisc() +
-                         b.object->getCollisionShape()->getAngularMotionDisc());
+    return s_rounding * LargestCoordinate(a, b);
+}
+
+btScalar qcTouchingDepth(const qcSweptObject& a, const qcSweptObject& b)
+{
+    return std::max(s_rounding, s_certifiable) * LargestCoordinate(a, b) / 2;
+}
+
+btScalar qcCertifiableGap(const qcSweptObject& a, const qcSweptObject& b)
+{
+    return s_certifiable * LargestCoordinate(a, b);
 }
 
 void qcMotionPlanes::Clear()

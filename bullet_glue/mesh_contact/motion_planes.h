@@ -16,6 +16,13 @@ constexpr btScalar qcMotionFloor = btScalar(0.25);
 /// Upper bound of the rounding of the corners of two objects at their ends: of rotations, products and sums.
 btScalar qcCornerRounding(const qcSweptObject& a, const qcSweptObject& b);
 
+/// Triangles of two objects that come no deeper into each other than this only touch: their corners are rounded.
+btScalar qcTouchingDepth(const qcSweptObject& a, const qcSweptObject& b);
+
+/// Triangles that are no further apart at the start can't be proven apart, and count as touching, too. Far below the
+/// rounding of btScalar unless it is double.
+btScalar qcCertifiableGap(const qcSweptObject& a, const qcSweptObject& b);
+
 struct qcMotionPlaneSide
 {
     qcSweptObject* swept;

@@ -25,7 +25,13 @@ class qcTouchingPairs
     void BeginStep();
     /// A round of certificates begins.
     void BeginRound();
-    /// True if the pair has ended the previous step, or an earlier certification of this one, touching.
+    /// From now on the pair counts as one that touches at the start of the step. False: it does already.
+    bool Add(const std::pair<uint32_t, uint32_t>& numbers)
+    {
+        return m_touching.insert({numbers, false}).second;
+    }
+    /// True if the pair has been added, or has ended the previous step, or an earlier certification of this one,
+    /// touching.
     bool Include(const qcSweptPair& pair) const;
     /// Adds a plane between the hulls of two objects that touch at the start, unless they end apart. `error`: of gaps.
     void Keep(const qcSweptPair& pair, const btVector3& axis, btScalar error, qcMotionPlanes* planes);

@@ -205,11 +205,12 @@ struct qcMeshContactStatistics
 /// that follow them. Changes of velocity by the solver within the step are not foreseen, nor are children of compounds.
 ///
 /// Limits: no two meshes that don't touch at the start of a step pass each other in it, whatever their speed, children
-/// of compounds included. After Bullet has integrated the transforms, in an action of the world, bodies whose motions
-/// are not proven apart are pushed apart or cut back. Static and kinematic objects are not; `unproven` counts pairs
-/// that they press together. A kinematic body moves to where the application sets its transform, and takes along what
-/// is between; one that is put elsewhere needs setInterpolationWorldTransform, too. Convex shapes have Bullet's own
-/// continuous collision detection (setCcdMotionThreshold).
+/// of compounds included. Those that touch, up to rounding, as the pieces of a cut do, come no deeper into each other;
+/// those that penetrate are exempt. After Bullet has integrated the transforms, in an action of the world, bodies whose
+/// motions are not proven apart are pushed apart or cut back. Static and kinematic objects are not; `unproven` counts
+/// pairs that they press together. A kinematic body moves to where the application sets its transform, and takes along
+/// what is between; one that is put elsewhere needs setInterpolationWorldTransform, too. Convex shapes have Bullet's
+/// own continuous collision detection (setCcdMotionThreshold).
 ///
 /// Rest: as long as no two points of a pair have moved against each other by 6 % of the threshold, its contact points
 /// move with the bodies and nothing is searched.

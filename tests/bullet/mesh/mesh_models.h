@@ -31,6 +31,14 @@ struct qcModel
         indices.insert(indices.end(), {a, b, c});
     }
 
+    void Append(const qcModel& other)
+    {
+        uint32_t first = uint32_t(positions.size() / 3);
+        positions.insert(positions.end(), other.positions.begin(), other.positions.end());
+        for (uint32_t index : other.indices)
+            indices.push_back(first + index);
+    }
+
     uint32_t TriangleCount() const
     {
         return uint32_t(indices.size() / 3);

@@ -24,19 +24,29 @@ std::vector<btScalar> Cuts(int count, std::minstd_rand* random)
     return cuts;
 }
 
-/// Adds the boxes that a cube of 1 m is cut into, turned, its lowest point just above the floor, falling.
-void AddPieces(qcMeshWorld* world, unsigned seed, btScalar speed, Pieces* pieces)
+/// Where the pieces are cut, and how.
+struct CutDef
 {
+    unsigned seed = 1;
+    int count = 4;       ///< of pieces along each edge of the cube
+    int quads = 1;       ///< along each edge of a piece's sides
+    btScalar offset = 0; ///< of the world from its origin
+};
+
+/// Adds the boxes that a cube of 1 m is cut into, turned, its lowest point just above the floor, falling.
+void AddPieces(qcMeshWorld* world, const CutDef& def, btScalar speed, Pieces* pieces)
+{
+    const unsigned seed = def.seed;
     std::minstd_rand random(seed);
-    const int count = 4;
+    const int count = def.count;
     std::vector<btScalar> cuts[3];
     for (std::vector<btScalar>& axis : cuts)
         axis = Cuts(count, &random);
     btTransform place(btQuaternion(btVector3(btScalar(0.3), btScalar(0.1 * seed), 1).normalized(), btScalar(0.4)));
     btVector3 lower, upper;
     btBoxShape(btVector3(btScalar(0.5), btScalar(0.5), btScalar(0.5))).getAabb(place, lower, upper);
-    place.setOrigin(btVector3(0, btScalar(1e-4) - lower.y(), 0));
-    pieces->models.reserve(count * count * count);
+    place.setOrigin(btVector3(def.offset, btScalar(1e-4) - lower.y(), 0));
+    pieces->models.reserve(count * count * count + 1);
     for (int i = 0; i < count * count * count; i++)
     {
         btVector3 half, center;
@@ -46,7 +56,7 @@ void AddPieces(qcMeshWorld* world, unsigned seed, btScalar speed, Pieces* pieces
             half[axis] = (cuts[axis][cell + 1] - cuts[axis][cell]) / 2;
             center[axis] = (cuts[axis][cell + 1] + cuts[axis][cell]) / 2 - btScalar(0.5);
         }
-        pieces->models.push_back(qcBoxModel(half, 1));
+        pieces->models.push_back(qcBoxModel(half, def.quads));
         btCollisionShape* shape = world->Keep(pieces->models.back().MakeShape());
         shape->setMargin(s_margin);
         btRigidBody* body = world->Add(shape, 2000 * half.x() * half.y() * half.z(),
@@ -54,6 +64,56 @@ void AddPieces(qcMeshWorld* world, unsigned seed, btScalar speed, Pieces* pieces
         body->setLinearVelocity(btVector3(0, -speed, 0));
         pieces->placed.push_back({&pieces->models.back(), body});
     }
+}
+
+/// How deep triangles of different bodies are in each other.
+double DeepestOf(const std::vector<qcPlacedModel>& all)
+{
+    qcSceneDef sceneDef = qcDefaultSceneDef();
+    qcScene* scene = nullptr;
+    ck_assert_int_eq(qcScene_Create(&sceneDef, &scene), qc_statusOk);
+    std::vector<qcBodyId> ids(all.size());
+    for (size_t i = 0; i < all.size(); i++)
+    {
+        qcModel moved = *all[i].model;
+        moved.Move(all[i].body->getWorldTransform());
+        qcBodyDef def = qcDefaultBodyDef();
+        def.positions = moved.positions.data();
+        def.positionType = qcBulletPositions;
+        def.vertexCount = uint32_t(moved.positions.size() / 3);
+        def.indices = moved.indices.data();
+        def.triangleCount = moved.TriangleCount();
+        def.selfCollision = false;
+        ck_assert_int_eq(qcScene_AddBody(scene, &def, &ids[i]), qc_statusOk);
+    }
+    qcDetectDef def = qcDefaultDetectDef();
+    def.proximities = true;
+    const qcResult* result = nullptr;
+    ck_assert_int_eq(qcScene_Detect(scene, &def, &result), qc_statusOk);
+    double deepest = 0;
+    for (size_t i = 0; i < result->pairCount; i++)
+        deepest = std::max(deepest, result->proximities[i].depth);
+    qcScene_Destroy(scene);
+    return deepest;
+}
+
+/// Steps, with the largest depth in each.
+double StepsDepth(qcMeshWorld* world, const std::vector<qcPlacedModel>& all, int steps)
+{
+    double deepest = 0;
+    for (int step = 0; step < steps; step++)
+    {
+        world->world.stepSimulation(s_shortStep, 0);
+        ck_assert_int_eq(world->contact.getStatistics().unproven, 0);
+        deepest = std::max(deepest, DeepestOf(all));
+    }
+    return deepest;
+}
+
+/// Pieces that touch at coordinates of this size come no deeper into each other.
+double Rounding(btScalar coordinate)
+{
+    return std::max(16 * double(SIMD_EPSILON), 1e-13) * double(2 + coordinate);
 }
 
 START_TEST(pieces_that_a_floor_of_any_mesh_stops_do_not_penetrate)
@@ -66,7 +126,7 @@ START_TEST(pieces_that_a_floor_of_any_mesh_stops_do_not_penetrate)
             qcAddFloor(world, kind);
             world.shapes.back()->setMargin(0);
             Pieces pieces;
-            AddPieces(&world, seed, 5, &pieces);
+            AddPieces(&world, {seed}, 5, &pieces);
             pieces.placed.push_back({&floor, world.bodies.front().get()});
             for (int step = 0; step < 12; step++)
             {
@@ -75,6 +135,111 @@ START_TEST(pieces_that_a_floor_of_any_mesh_stops_do_not_penetrate)
                 ck_assert_uint_eq(qcCountPenetrating(pieces.placed), 0);
             }
         }
+}
+END_TEST
+
+START_TEST(pieces_that_stood_still_do_not_penetrate_when_they_break_off)
+{
+    qcModel floor = qcFloorModel(4, 8);
+    for (unsigned seed = 1; seed <= 2; seed++)
+    {
+        qcMeshWorld world;
+        world.Add(world.StaticMesh(floor), 0, btVector3(0, 0, 0));
+        Pieces pieces;
+        AddPieces(&world, {seed}, 0, &pieces);
+        // They stand as bodies without motion, and are not new when they move.
+        std::vector<btScalar> masses;
+        for (const qcPlacedModel& piece : pieces.placed)
+            masses.push_back(piece.body->getMass());
+        for (size_t i = 1; i < world.bodies.size(); i++)
+            world.bodies[i]->setMassProps(0, btVector3(0, 0, 0));
+        StepsDepth(&world, pieces.placed, 3);
+        for (size_t i = 1; i < world.bodies.size(); i++)
+        {
+            btVector3 inertia;
+            world.bodies[i]->getCollisionShape()->calculateLocalInertia(masses[i - 1], inertia);
+            world.bodies[i]->setMassProps(masses[i - 1], inertia);
+            world.bodies[i]->setLinearVelocity(btVector3(0, -5, 0));
+            world.bodies[i]->activate(true);
+        }
+        ck_assert_double_lt(StepsDepth(&world, pieces.placed, 12), Rounding(0));
+        ck_assert_double_lt(double(world.bodies.back()->getLinearVelocity().length()), 6);
+    }
+}
+END_TEST
+
+START_TEST(pieces_of_many_triangles_do_not_penetrate)
+{
+    qcModel floor = qcFloorModel(4, 8);
+    qcMeshWorld world;
+    world.Add(world.StaticMesh(floor), 0, btVector3(0, 0, 0));
+    Pieces pieces;
+    AddPieces(&world, {1, 2, 8}, 5, &pieces);
+    ck_assert_uint_gt(pieces.models.front().TriangleCount(), 600);
+    ck_assert_double_lt(StepsDepth(&world, pieces.placed, 6), Rounding(0));
+}
+END_TEST
+
+/// Makes one compound of the pieces that `joins` selects; they leave the world.
+template <class Joins> void JoinPieces(qcMeshWorld* world, Pieces* pieces, const Joins& joins)
+{
+    auto* compound = new btCompoundShape;
+    btCollisionShape* kept = world->Keep(std::unique_ptr<btCollisionShape>(compound));
+    std::vector<qcPlacedModel> others;
+    btTransform place;
+    btVector3 velocity;
+    btScalar mass = 0;
+    qcModel joined;
+    for (size_t i = 0; i < pieces->placed.size(); i++)
+    {
+        const qcPlacedModel& piece = pieces->placed[i];
+        btRigidBody* body = world->bodies[i + 1].get();
+        if (!joins(i))
+        {
+            others.push_back(piece);
+            continue;
+        }
+        if (mass == 0)
+            place = body->getWorldTransform();
+        btTransform local = place.inverse() * body->getWorldTransform();
+        compound->addChildShape(local, body->getCollisionShape());
+        qcModel moved = *piece.model;
+        moved.Move(local);
+        joined.Append(moved);
+        mass += body->getMass();
+        velocity = body->getLinearVelocity();
+        world->world.removeRigidBody(body);
+    }
+    btRigidBody* body = world->Add(kept, mass, place);
+    body->setLinearVelocity(velocity);
+    pieces->models.push_back(joined);
+    others.push_back({&pieces->models.back(), body});
+    pieces->placed = others;
+}
+
+START_TEST(pieces_that_break_off_a_compound_do_not_penetrate)
+{
+    qcModel floor = qcFloorModel(4, 8);
+    qcMeshWorld world;
+    world.Add(world.StaticMesh(floor), 0, btVector3(0, 0, 0));
+    Pieces pieces;
+    AddPieces(&world, {1}, 5, &pieces);
+    // Three quarters of the cube hold together.
+    JoinPieces(&world, &pieces, [](size_t i) { return i / 16 < 2 || i / 4 % 4 < 2; });
+    ck_assert_uint_eq(pieces.placed.size(), 17);
+    ck_assert_double_lt(StepsDepth(&world, pieces.placed, 12), Rounding(0));
+}
+END_TEST
+
+START_TEST(pieces_far_from_the_origin_do_not_penetrate)
+{
+    const btScalar offset = 1000;
+    qcModel floor = qcFloorModel(4, 8);
+    qcMeshWorld world;
+    world.Add(world.StaticMesh(floor), 0, btVector3(offset, 0, 0));
+    Pieces pieces;
+    AddPieces(&world, {1, 4, 1, offset}, 5, &pieces);
+    ck_assert_double_lt(StepsDepth(&world, pieces.placed, 12), Rounding(offset));
 }
 END_TEST
 
@@ -109,4 +274,6 @@ END_TEST
 } // namespace
 
 QC_RUN_TESTS("touching pieces", pieces_that_a_floor_of_any_mesh_stops_do_not_penetrate,
+             pieces_that_stood_still_do_not_penetrate_when_they_break_off, pieces_of_many_triangles_do_not_penetrate,
+             pieces_that_break_off_a_compound_do_not_penetrate, pieces_far_from_the_origin_do_not_penetrate,
              a_sliver_below_a_heavy_body_is_not_pressed_through_the_floor)

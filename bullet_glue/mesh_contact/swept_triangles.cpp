@@ -1,0 +1,181 @@
+// Pairs of triangles that the detection of a step has not proven apart.
+#include "mesh_contact/swept_triangles.h"
+
+#include <algorithm>
+
+namespace
+{
+/// Corners of two triangles.
+struct Corners
+{
+    double a[9], b[9];
+
+    Corners(const qcSweptTriangles& triangles, const btTransform& atA, const btTransform& atB)
+    {
+        triangles.a.CornersAt(atA, a);
+        triangles.b.CornersAt(atB, b);
+    }
+
+    /// The penetration depth; 0 if they are apart.
+    btScalar Depth(qcProximity* proximity) const
+    {
+        return qcTrianglesWithin(a, b, 0, proximity) ? btScalar(proximity->depth) : btScalar(0);
+    }
+
+    /// The least product of A's corners with a direction, less the largest of B's.
+    btScalar GapAlong(const btVector3& direction) const
+    {
+        return btScalar(ProductsWith(a, direction).first - ProductsWith(b, direction).second);
+    }
+
+    /// The extent of both along a direction.
+    btScalar ExtentAlong(const btVector3& direction) const
+    {
+        auto [lowA, highA] = ProductsWith(a, direction);
+        auto [lowB, highB] = ProductsWith(b, direction);
+        return btScalar(std::max(highA, highB) - std::min(lowA, lowB));
+    }
+
+  private:
+    /// The least and the largest product of a triangle's corners with a direction.
+    static std::pair<double, double> ProductsWith(const double corners[9], const btVector3& direction)
+    {
+        auto product = [&](const double* corner) {
+            return corner[0] * double(direction[0]) + corner[1] * double(direction[1]) +
+                   corner[2] * double(direction[2]);
+        };
+        return std::minmax({product(corners), product(corners + 3), product(corners + 6)});
+    }
+};
+
+/// Twice the area of a triangle, along its normal.
+btVector3 AreaOf(const double corners[9])
+{
+    auto side = [corners](int to)
+    {
+        return btVector3(btScalar(corners[to] - corners[0]), btScalar(corners[to + 1] - corners[1]),
+                         btScalar(corners[to + 2] - corners[2]));
+    };
+    return side(3).cross(side(6));
+}
+
+/// The largest gap of two triangles in one plane, along the normals of their edges; below 0: they overlap.
+btScalar GapInPlane(const Corners& corners, const btVector3& normal)
+{
+    btScalar gap = -BT_LARGE_FLOAT;
+    for (const double* triangle : {corners.a, corners.b})
+        for (int c = 0; c < 3; c++)
+        {
+            const double *from = triangle + 3 * c, *to = triangle + 3 * ((c + 1) % 3);
+            btVector3 along(btScalar(to[0] - from[0]), btScalar(to[1] - from[1]), btScalar(to[2] - from[2]));
+            btVector3 across = along.cross(normal).normalized();
+            gap = std::max({gap, corners.GapAlong(across), corners.GapAlong(-across)});
+        }
+    return gap;
+}
+
+/// True if triangles that meet at the start are too deep in each other.
+bool AreTooDeep(const qcSweptTriangles& triangles, const Corners& corners)
+{
+    // Nearly all that touch are still apart along the direction of the start.
+    qcProximity proximity;
+    return corners.GapAlong(qcVectorOf(triangles.atStart->normal)) < -triangles.maxDepth &&
+           corners.Depth(&proximity) > triangles.maxDepth;
+}
+
+Corners AtStart(const qcSweptTriangles& triangles)
+{
+    return Corners(triangles, triangles.a.swept->start, triangles.b.swept->start);
+}
+
+Corners AtEnd(const qcSweptTriangles& triangles)
+{
+    return Corners(triangles, triangles.a.swept->end, triangles.b.swept->end);
+}
+} // namespace
+
+void qcSweptTriangle::CornersAt(const btTransform& transform, double corners[9]) const
+{
+    const qcMeshTriangles& triangles = *mesh->triangles;
+    const btTransform place = transform * mesh->local;
+    for (size_t c = 0; c < 3; c++)
+    {
+        btVector3 p = place * triangles.points[triangles.indices[3 * size_t(number) + c]];
+        for (int axis = 0; axis < 3; axis++)
+            corners[3 * c + size_t(axis)] = double(p[axis]);
+    }
+}
+
+qcMotionPlaneSide qcSweptTriangle::PlaneSide() const
+{
+    qcMotionPlaneSide side{swept, {}};
+    for (size_t c = 0; c < 3; c++)
+        side.corners[c] = mesh->local * mesh->triangles->points[mesh->triangles->indices[3 * size_t(number) + c]];
+    return side;
+}
+
+bool qcSweptTriangles::ArePenetrating(btScalar touchingDepth) const
+{
+    if (btScalar(atStart->depth) > touchingDepth)
+        return true;
+    if (pair->relation != qc_relationPenetrating)
+        return false;
+    Corners start = AtStart(*this);
+    btVector3 areaA = AreaOf(start.a), areaB = AreaOf(start.b);
+    btVector3 normal = areaA.length2() > areaB.length2() ? areaA : areaB;
+    return areaA.dot(areaB) > 0 && start.ExtentAlong(normal.normalized()) <= touchingDepth &&
+           GapInPlane(start, normal.normalized()) < -touchingDepth;
+}
+
+void qcSweptTriangles::MeetWithin(btScalar touchingDepth)
+{
+    if (btScalar(atStart->distance) > touchingDepth)
+        return;
+    meet = true;
+    Corners start = AtStart(*this);
+    qcProximity proximity;
+    // The scene's corners are rounded otherwise.
+    maxDepth = btScalar(atStart->depth) <= touchingDepth / 2 ? touchingDepth
+                                                             : std::max(touchingDepth, start.Depth(&proximity));
+    btVector3 areaA = AreaOf(start.a), areaB = AreaOf(start.b);
+    // The larger one has the more exact normal.
+    btVector3 normal = areaA.length2() > areaB.length2() ? -areaA : areaB;
+    if (areaA.dot(areaB) < 0 && start.ExtentAlong(normal.normalized()) <= 2 * touchingDepth)
+        facing = normal.normalized();
+}
+
+bool qcSweptTriangles::IsUnproven(bool pushes) const
+{
+    if (!meet)
+        return true;
+    Corners end = AtEnd(*this);
+    if (pushes && FaceEachOther() && end.GapAlong(facing) < maxDepth)
+        return true;
+    return AreTooDeep(*this, end);
+}
+
+btScalar qcSweptTriangles::FindPart(btScalar limit) const
+{
+    Corners start = AtStart(*this);
+    auto holds = [&](btScalar part)
+    {
+        Corners end(*this, a.swept->EndAt(part), b.swept->EndAt(part));
+        return meet ? !AreTooDeep(*this, end) : qcTrianglesStayApart(start.a, end.a, start.b, end.b, nullptr);
+    };
+    return qcFindLargestPart(limit, holds);
+}
+
+void qcSweptTriangles::AddPlane(qcMotionPlanes* planes) const
+{
+    qcProximity nearest = *atStart, atEnd;
+    if (FaceEachOther())
+        for (int axis = 0; axis < 3; axis++)
+            nearest.normal[axis] = double(facing[axis]);
+    else if (meet && AtEnd(*this).Depth(&atEnd) > 0 &&
+             AtStart(*this).GapAlong(qcVectorOf(atEnd.normal)) >= -2 * maxDepth)
+        // Triangles that touch have many directions between them: the one of the least push is taken.
+        nearest = atEnd;
+    if (meet)
+        nearest.distance = 2 * double(maxDepth);
+    planes->Add(*pair, a.PlaneSide(), b.PlaneSide(), nearest);
+}
