@@ -37,6 +37,16 @@ btScalar LostPart(const qcSweptObject& swept)
     return all > 0 ? btClamped(1 - made / all, btScalar(0), btScalar(1)) : 1 - swept.fraction;
 }
 
+/// The angular velocity turns with the body from where Bullet has moved it: a slender one that spins about its axis
+/// would gain energy if it were tilted only.
+void TurnSpin(const qcSweptObject& swept)
+{
+    const btMatrix3x3 &from = swept.body->getWorldTransform().getBasis(), &to = swept.end.getBasis();
+    if (!(from == to))
+        swept.body->setAngularVelocity(to * (from.transpose() * swept.body->getAngularVelocity()) *
+                                       swept.body->getAngularFactor());
+}
+
 /// True if the application moves the object.
 bool IsSwept(const qcSweptObject& swept)
 {
@@ -383,6 +393,7 @@ void qcMotionLimiter::Commit(qcSweptObject* swept, btScalar timeStep) const
                                 body->getTotalForce() * (body->getInvMass() * lost * timeStep));
         body->setAngularVelocity(body->getAngularVelocity() -
                                  body->getInvInertiaTensorWorld() * body->getTotalTorque() * (lost * timeStep));
+        TurnSpin(*swept);
         swept->lost += lost;
     }
     swept->isLimited = true;

@@ -192,6 +192,37 @@ START_TEST(a_fast_spinning_bar_does_not_pass_a_thin_post)
 }
 END_TEST
 
+START_TEST(needles_that_spin_and_are_stopped_gain_no_energy)
+{
+    qcModel needle = qcBoxModel(btVector3(btScalar(0.3), btScalar(0.004), btScalar(0.004)), 1);
+    qcModel floor = qcFloorModel(4, 8);
+    qcMeshWorld world;
+    world.world.setGravity(btVector3(0, 0, 0));
+    world.Add(world.StaticMesh(floor), 0,
+              At(btVector3(0, 0, 0), btVector3(1, 0, btScalar(0.5)).normalized(), btScalar(0.3)));
+    btCollisionShape* shape = world.Keep(needle.MakeShape(btScalar(0.001)));
+    for (int i = 0; i < 20; i++)
+    {
+        btVector3 place(btScalar(0.15) * btScalar(i % 5), 2 + btScalar(0.3) * btScalar(i),
+                        btScalar(0.2) * btScalar(i % 3));
+        btRigidBody* body =
+            world.Add(shape, 1, At(place, btVector3(0, 1, 1).normalized(), btScalar(0.3) * btScalar(i)));
+        body->setLinearVelocity(btVector3(0, -100, 0));
+        body->setAngularVelocity(btVector3(0, 0, 50));
+    }
+    int limited = 0;
+    double energy = world.KineticEnergy();
+    for (int step = 0; step < 20; step++)
+    {
+        world.Step();
+        limited += world.contact.getStatistics().limited;
+        ck_assert_double_le(world.KineticEnergy(), energy * s_drift);
+        energy = world.KineticEnergy();
+    }
+    ck_assert_int_gt(limited, 0);
+}
+END_TEST
+
 START_TEST(a_kinematic_sheet_takes_along_what_it_sweeps_over)
 {
     qcModel sheet = SheetModel();
@@ -341,6 +372,7 @@ int main()
     tcase_add_test(tests, bodies_that_stop_each_other_do_not_hang_in_the_air);
     tcase_add_test(tests, new_bodies_that_touch_do_not_sink_into_each_other);
     tcase_add_test(tests, a_fast_spinning_bar_does_not_pass_a_thin_post);
+    tcase_add_test(tests, needles_that_spin_and_are_stopped_gain_no_energy);
     tcase_add_test(tests, a_kinematic_sheet_takes_along_what_it_sweeps_over);
     tcase_add_test(tests, what_a_kinematic_mesh_crushes_is_counted);
     tcase_add_test(tests, a_kinematic_mesh_that_is_put_elsewhere_sweeps_over_nothing);
