@@ -14,6 +14,8 @@ constexpr size_t s_maxTriangles = 600;
 // Triangles belong to a face if the cosine between their normals is more than this.
 constexpr btScalar s_sameFace = btScalar(0.99999);
 constexpr size_t s_maxFaces = 40;
+// A mesh counts as convex if its vertices are above its triangles by at most this part of its radius.
+constexpr btScalar s_maxBump = 32 * SIMD_EPSILON;
 // An edge is within a flat face if the cosine between the normals of its triangles is more than this.
 constexpr btScalar s_flat = btScalar(0.9999);
 
@@ -91,6 +93,16 @@ qcSupportMesh::qcSupportMesh(const btCollisionShape* shape) : m_triangles(shape,
         m_triangles.pointCount, m_triangles.count, 3,
         [this](uint32_t t, int c) { return m_triangles.indices[3 * t + uint32_t(c)]; }, &m_trianglesOf);
     FindFaces();
+    for (uint32_t t = 0; t < m_triangles.count && m_isConvex; t++)
+        m_isConvex = HasAllBelow(t);
+}
+
+/// True if no vertex is above the triangle by more than rounding.
+bool qcSupportMesh::HasAllBelow(uint32_t triangle) const
+{
+    const btVector3& normal = m_normals[triangle];
+    const btVector3& corner = m_triangles.points[m_triangles.indices[3 * size_t(triangle)]];
+    return normal.fuzzyZero() || Max(normal) <= normal.dot(corner) + s_maxBump * m_radius;
 }
 
 void qcSupportMesh::FindFaces()

@@ -182,6 +182,18 @@ bool qcMotionLimiter::IsExempt(const qcSweptObject& a, const qcSweptObject& b) c
     return m_islands.MoveAsOne(a, b) || m_exempt.count(std::minmax(a.number, b.number)) > 0;
 }
 
+/// True if two convex meshes that have not met in this step are in each other at its start by more than rounding. Where
+/// their sides are flush, their triangles don't show it.
+bool qcMotionLimiter::AreInEachOther(const qcSweptObject& a, const qcSweptObject& b, const qcProximity& atStart) const
+{
+    if (a.hull == nullptr || b.hull == nullptr || !a.hull->IsConvex() || !b.hull->IsConvex() ||
+        m_meeting.count(std::minmax(a.number, b.number)) > 0)
+        return false;
+    qcPlacedSupport startA{a.hull, a.start}, startB{b.hull, b.start};
+    btScalar gap = qcFindSeparation(startA, startB, qcVectorOf(atStart.normal), BT_LARGE_FLOAT, 0).gap;
+    return gap < -4 * qcTouchingDepth(a, b) - qcGapError(startA, startB);
+}
+
 /// Objects that meet at the start only touch, up to rounding, or are exempt as a whole: a triangle inside another
 /// object has to leave it. True: pairs of small meshes touch that did not count as such.
 bool qcMotionLimiter::CollectMeetings(const qcResult& result)
@@ -195,7 +207,7 @@ bool qcMotionLimiter::CollectMeetings(const qcResult& result)
         const qcSweptObject &a = *triangles.a.swept, &b = *triangles.b.swept;
         if (pair.relation == qc_relationDisjoint && atStart.distance > double(qcCertifiableGap(a, b)))
             continue;
-        bool touches = !triangles.ArePenetrating(2 * qcTouchingDepth(a, b));
+        bool touches = !triangles.ArePenetrating(2 * qcTouchingDepth(a, b)) && !AreInEachOther(a, b, atStart);
         (touches ? m_meeting : m_exempt).insert(NumbersOf(pair));
         if (touches && a.hull != nullptr && b.hull != nullptr)
             anyNew = m_touching.Add(NumbersOf(pair)) || anyNew;

@@ -80,6 +80,7 @@ class qcMotionLimiter
     Numbers NumbersOf(const qcPair& pair) const;
     qcSweptTriangles TrianglesOf(const qcPair& pair, const qcProximity& atStart) const;
     bool IsExempt(const qcSweptObject& a, const qcSweptObject& b) const;
+    bool AreInEachOther(const qcSweptObject& a, const qcSweptObject& b, const qcProximity& atStart) const;
     bool CollectMeetings(const qcResult& result);
     void FindUnproven(const qcResult& result, bool pushes);
     static btScalar MadePart(const qcSweptPair& pair);

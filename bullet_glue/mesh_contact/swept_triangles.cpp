@@ -118,12 +118,10 @@ bool qcSweptTriangles::ArePenetrating(btScalar touchingDepth) const
 {
     if (btScalar(atStart->depth) > touchingDepth)
         return true;
-    if (pair->relation != qc_relationPenetrating)
-        return false;
     Corners start = AtStart(*this);
     btVector3 areaA = AreaOf(start.a), areaB = AreaOf(start.b);
     btVector3 normal = areaA.length2() > areaB.length2() ? areaA : areaB;
-    return areaA.dot(areaB) > 0 && start.ExtentAlong(normal.normalized()) <= touchingDepth &&
+    return areaA.dot(areaB) > 0 && start.ExtentAlong(normal.normalized()) <= 4 * touchingDepth &&
            GapInPlane(start, normal.normalized()) < -touchingDepth;
 }
 

@@ -243,6 +243,39 @@ START_TEST(pieces_far_from_the_origin_do_not_penetrate)
 }
 END_TEST
 
+/// Throws a heavy box at 100 m/s on a plate that touches a floor, and checks that the plate stays on its side.
+void HitPlate(int quads, btScalar mass, const btVector3& spin)
+{
+    const btScalar half = btScalar(0.005);
+    qcModel floor = qcFloorModel(0.5, quads),
+            plate = qcBoxModel(btVector3(btScalar(0.25), half, btScalar(0.25)), quads),
+            heavy = qcBoxModel(btVector3(btScalar(0.3), btScalar(0.1), btScalar(0.3)), 2);
+    qcMeshWorld world;
+    world.world.setGravity(btVector3(0, 0, 0));
+    world.Add(world.Keep(floor.MakeShape()), 0, btVector3(0, 0, 0));
+    btRigidBody* below = world.Add(world.Keep(plate.MakeShape()), mass, btVector3(0, half, 0));
+    below->setAngularVelocity(spin);
+    btRigidBody* above = world.Add(world.Keep(heavy.MakeShape()), 1000, btVector3(0, btScalar(0.4), 0));
+    above->setLinearVelocity(btVector3(0, -100, 0));
+    above->setAngularVelocity(spin / 2);
+    for (int step = 0; step < 12; step++)
+    {
+        world.Step();
+        ck_assert_int_eq(world.contact.getStatistics().unproven, 0);
+        ck_assert_double_gt(double(below->getWorldTransform().getOrigin().y()), 0);
+    }
+}
+
+START_TEST(a_plate_that_touches_a_floor_is_not_driven_through_it)
+{
+    // Few triangles, tested as hulls, and more than small meshes have.
+    for (int quads : {1, 10})
+        for (btScalar mass : {btScalar(0.1), btScalar(10)})
+            for (const btVector3& spin : {btVector3(0, 0, 0), btVector3(1, 2, -4)})
+                HitPlate(quads, mass, spin);
+}
+END_TEST
+
 START_TEST(a_sliver_below_a_heavy_body_is_not_pressed_through_the_floor)
 {
     qcModel floor = qcFloorModel(2, 1), heavy = qcCubeModel(),
@@ -276,4 +309,5 @@ END_TEST
 QC_RUN_TESTS("touching pieces", pieces_that_a_floor_of_any_mesh_stops_do_not_penetrate,
              pieces_that_stood_still_do_not_penetrate_when_they_break_off, pieces_of_many_triangles_do_not_penetrate,
              pieces_that_break_off_a_compound_do_not_penetrate, pieces_far_from_the_origin_do_not_penetrate,
+             a_plate_that_touches_a_floor_is_not_driven_through_it,
              a_sliver_below_a_heavy_body_is_not_pressed_through_the_floor)
