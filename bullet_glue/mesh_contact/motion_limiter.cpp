@@ -1,7 +1,6 @@
 // Meshes never pass each other: objects whose motions are not proven apart over a step are pushed apart, or cut back.
 #include "mesh_contact/motion_limiter.h"
 
-#include "common/profiled_detect.h"
 #include "common/stopwatch.h"
 #include "mesh_contact/touching_faces.h"
 
@@ -52,18 +51,7 @@ bool IsSwept(const qcSweptObject& swept)
 {
     return swept.body == nullptr && swept.moves;
 }
-
-/// By the numbers of the objects.
-bool IsBefore(const qcSweptPair& x, const qcSweptPair& y)
-{
-    return qcNumbersOf(x) < qcNumbersOf(y);
-}
 } // namespace
-
-qcMotionLimiter::~qcMotionLimiter()
-{
-    qcScene_Destroy(m_scene);
-}
 
 void qcMotionLimiter::InvalidateShape(const btCollisionShape* shape)
 {
@@ -71,110 +59,6 @@ void qcMotionLimiter::InvalidateShape(const btCollisionShape* shape)
         for (qcSweptMesh& mesh : swept->meshes)
             if (mesh.shape == shape)
                 mesh.revision = 0; // stale: no shape has revision 0
-}
-
-/// Brings the scene's meshes of an object up to date.
-qcStatus qcMotionLimiter::AddMeshes(qcSweptObject* swept)
-{
-    std::vector<qcBatchMesh> present;
-    qcCollectMeshes(swept->object->getCollisionShape(), btTransform::getIdentity(), &present);
-    auto isSame = [](const qcSweptMesh& mesh, const qcBatchMesh& now)
-    {
-        return mesh.shape == now.shape && qcAreSame(mesh.local, now.transform) &&
-               mesh.revision == qcMeshRevision(now.shape);
-    };
-    if (std::equal(swept->meshes.begin(), swept->meshes.end(), present.begin(), present.end(), isSame))
-        return qc_statusOk;
-    for (qcSweptMesh& mesh : swept->meshes)
-        qcScene_RemoveBody(m_scene, mesh.id);
-    swept->meshes.clear();
-    for (const qcBatchMesh& now : present)
-    {
-        qcSweptMesh mesh{now.shape, now.transform, qcMeshRevision(now.shape), {}, nullptr};
-        mesh.triangles.reset(new qcMeshTriangles(now.shape, nullptr));
-        const qcMeshTriangles& all = *mesh.triangles;
-        qcBodyDef def = qcMeshBodyDef(all.points, all.pointCount, all.indices, all.count, swept->start * mesh.local,
-                                      qc_activityMoving);
-        def.owner = swept->number;
-        qcStatus status = qcScene_AddBody(m_scene, &def, &mesh.id);
-        if (status != qc_statusOk)
-            return status;
-        m_meshOfSlot.resize(std::max(m_meshOfSlot.size(), size_t(mesh.id.slot) + 1));
-        m_meshOfSlot[mesh.id.slot] = {swept, swept->meshes.size()};
-        swept->meshes.push_back(std::move(mesh));
-    }
-    return qc_statusOk;
-}
-
-/// Places the meshes of all pairs at the start or the end of the step.
-qcStatus qcMotionLimiter::PlaceMeshes(bool atStart)
-{
-    qcStatus status = qc_statusOk;
-    for (const qcSweptPair& pair : m_pairs)
-        for (const qcSweptObject* swept : {pair.first, pair.second})
-            for (const qcSweptMesh& mesh : swept->meshes)
-            {
-                qcTransform transform = qcTransformOf((atStart ? swept->start : swept->end) * mesh.local);
-                qcStatus set = qcScene_SetTransform(m_scene, mesh.id, &transform);
-                status = status == qc_statusOk ? set : status;
-            }
-    return status;
-}
-
-bool qcMotionLimiter::TestPair(void* context, uint32_t slotA, uint32_t slotB)
-{
-    const auto* limiter = static_cast<const qcMotionLimiter*>(context);
-    qcSweptPair pair(limiter->m_meshOfSlot[slotA].first, limiter->m_meshOfSlot[slotB].first);
-    if (pair.first->number > pair.second->number)
-        std::swap(pair.first, pair.second);
-    return std::binary_search(limiter->m_pairs.begin(), limiter->m_pairs.end(), pair, IsBefore);
-}
-
-/// Finds the pairs of triangles that are not proven apart.
-qcStatus qcMotionLimiter::Detect(const qcResult** result)
-{
-    qcStatus status = qc_statusOk;
-    if (m_scene == nullptr)
-    {
-        qcSceneDef def = qcDefaultSceneDef();
-        status = qcScene_Create(&def, &m_scene);
-    }
-    for (const qcSweptPair& pair : m_pairs)
-        for (qcSweptObject* swept : {pair.first, pair.second})
-            status = status == qc_statusOk ? AddMeshes(swept) : status;
-    if (status == qc_statusOk)
-        status = PlaceMeshes(true);
-    if (status == qc_statusOk)
-        status = qcScene_MarkStart(m_scene);
-    if (status == qc_statusOk)
-        status = PlaceMeshes(false);
-    if (status != qc_statusOk)
-        return status;
-    qcDetectDef def = qcProfiledDetectDef();
-    def.method = qc_methodSweep;
-    def.motion = true;
-    def.proximities = true;
-    def.threads = m_settings.threads;
-    def.pairFilter = TestPair;
-    def.pairFilterContext = this;
-    return qcScene_Detect(m_scene, &def, result);
-}
-
-qcMotionLimiter::Side qcMotionLimiter::SideOf(uint32_t slot) const
-{
-    const auto& [swept, mesh] = m_meshOfSlot[slot];
-    return {swept, &swept->meshes[mesh]};
-}
-
-qcMotionLimiter::Numbers qcMotionLimiter::NumbersOf(const qcPair& pair) const
-{
-    return std::minmax(SideOf(pair.bodyA).swept->number, SideOf(pair.bodyB).swept->number);
-}
-
-qcSweptTriangles qcMotionLimiter::TrianglesOf(const qcPair& pair, const qcProximity& atStart) const
-{
-    Side a = SideOf(pair.bodyA), b = SideOf(pair.bodyB);
-    return {&pair, &atStart, {a.swept, a.mesh, pair.triangleA}, {b.swept, b.mesh, pair.triangleB}};
 }
 
 bool qcMotionLimiter::IsExempt(const qcSweptObject& a, const qcSweptObject& b) const
@@ -203,14 +87,14 @@ bool qcMotionLimiter::CollectMeetings(const qcResult& result)
     {
         const qcPair& pair = result.pairs[i];
         const qcProximity& atStart = result.proximities[i];
-        const qcSweptTriangles triangles = TrianglesOf(pair, atStart);
+        const qcSweptTriangles triangles = m_scene.TrianglesOf(pair, atStart);
         const qcSweptObject &a = *triangles.a.swept, &b = *triangles.b.swept;
         if (pair.relation == qc_relationDisjoint && atStart.distance > double(qcCertifiableGap(a, b)))
             continue;
         bool touches = !triangles.ArePenetrating(2 * qcTouchingDepth(a, b)) && !AreInEachOther(a, b, atStart);
-        (touches ? m_meeting : m_exempt).insert(NumbersOf(pair));
+        (touches ? m_meeting : m_exempt).insert(m_scene.NumbersOf(pair));
         if (touches && a.hull != nullptr && b.hull != nullptr)
-            anyNew = m_touching.Add(NumbersOf(pair)) || anyNew;
+            anyNew = m_touching.Add(m_scene.NumbersOf(pair)) || anyNew;
     }
     return anyNew;
 }
@@ -222,11 +106,11 @@ void qcMotionLimiter::FindUnproven(const qcResult& result, bool pushes)
     for (size_t i = 0; i < result.pairCount; i++)
     {
         const qcPair& pair = result.pairs[i];
-        qcSweptTriangles triangles = TrianglesOf(pair, result.proximities[i]);
+        qcSweptTriangles triangles = m_scene.TrianglesOf(pair, result.proximities[i]);
         const qcSweptObject &a = *triangles.a.swept, &b = *triangles.b.swept;
         if (IsExempt(a, b))
             continue;
-        if (m_meeting.count(NumbersOf(pair)) > 0)
+        if (m_meeting.count(m_scene.NumbersOf(pair)) > 0)
             triangles.MeetWithin(qcTouchingDepth(a, b));
         if (triangles.IsUnproven(pushes))
             m_unprovenTriangles.push_back(triangles);
@@ -312,12 +196,12 @@ void qcMotionLimiter::AddPlanes()
     std::set<Numbers> facing;
     for (const qcSweptTriangles& triangles : m_unprovenTriangles)
         if (triangles.FaceEachOther())
-            facing.insert(NumbersOf(*triangles.pair));
+            facing.insert(m_scene.NumbersOf(*triangles.pair));
     for (const qcSweptTriangles& triangles : m_unprovenTriangles)
-        if (!triangles.meet || triangles.FaceEachOther() || facing.count(NumbersOf(*triangles.pair)) == 0)
+        if (!triangles.meet || triangles.FaceEachOther() || facing.count(m_scene.NumbersOf(*triangles.pair)) == 0)
         {
             triangles.AddPlane(&m_planes);
-            m_stopped.insert(NumbersOf(*triangles.pair));
+            m_stopped.insert(m_scene.NumbersOf(*triangles.pair));
         }
 }
 
@@ -454,7 +338,7 @@ void qcMotionLimiter::SkipProvenPairs()
 
 void qcMotionLimiter::SortPairs()
 {
-    std::sort(m_pairs.begin(), m_pairs.end(), IsBefore);
+    std::sort(m_pairs.begin(), m_pairs.end(), qcIsBefore);
 }
 
 /// True if one direction separates two small meshes as a whole at the start and at the end of the step. New objects
@@ -530,14 +414,14 @@ bool qcMotionLimiter::StopPairs(bool pushes, int cuts, std::set<Numbers>* report
     const qcResult none{};
     const qcResult* result = &none;
     if (!m_pairs.empty())
-        m_status = Detect(&result);
+        m_status = m_scene.Detect(m_pairs, &result);
     if (m_status != qc_statusOk)
         return false;
     for (qcSweptObject* swept : m_objects.Get())
         swept->tested = swept->end;
     reported->clear();
     for (size_t i = 0; i < result->pairCount; i++)
-        reported->insert(NumbersOf(result->pairs[i]));
+        reported->insert(m_scene.NumbersOf(result->pairs[i]));
     for (const qcClosingPair& closing : m_touching.Closing())
         reported->insert(qcNumbersOf(closing.pair));
     const bool anyNew = CollectMeetings(*result);
@@ -620,7 +504,7 @@ void qcMotionLimiter::Limit(btScalar timeStep, qcMeshContactStatistics* statisti
     m_unproven = 0;
     m_touching.BeginStep();
     statistics->limitMs = 0;
-    if (m_objects.ReadMotions(timeStep, m_scene))
+    if (m_objects.ReadMotions(timeStep, m_scene.Get()))
         Run(timeStep, statistics);
     m_objects.RecordEnds();
     WriteStatistics(start, statistics);
@@ -641,7 +525,7 @@ void qcMotionLimiter::LimitAgain(btScalar timeStep, const std::vector<const btCo
         swept->isLimited = true;
         moved->push_back(object);
     }
-    m_objects.ReadTargets(m_scene);
+    m_objects.ReadTargets(m_scene.Get());
     for (const btCollisionObject* object : held)
         if (qcSweptObject* swept = m_objects.Find(object))
             swept->body = nullptr; // like a static one

@@ -6,7 +6,7 @@
 
 #include "mesh_contact/axis_cache.h"
 #include "mesh_contact/motion_islands.h"
-#include "mesh_contact/swept_triangles.h"
+#include "mesh_contact/swept_scene.h"
 #include "mesh_contact/touching_pairs.h"
 
 #include <map>
@@ -33,10 +33,9 @@ class qcMotionLimiter
 {
   public:
     qcMotionLimiter(const qcBatchSettings& settings, qcKnownGaps& gaps, qcAxisCache& axes)
-        : m_settings(settings), m_gaps(gaps), m_axes(axes), m_objects(settings, axes)
+        : m_gaps(gaps), m_axes(axes), m_objects(settings, axes), m_scene(settings)
     {
     }
-    ~qcMotionLimiter();
     qcMotionLimiter(const qcMotionLimiter&) = delete;
     qcMotionLimiter& operator=(const qcMotionLimiter&) = delete;
 
@@ -67,18 +66,6 @@ class qcMotionLimiter
         btScalar made = 0;     ///< part of their motions that the objects make in this round
     };
 
-    struct Side
-    {
-        qcSweptObject* swept;
-        const qcSweptMesh* mesh;
-    };
-
-    qcStatus AddMeshes(qcSweptObject* swept);
-    qcStatus PlaceMeshes(bool atStart);
-    qcStatus Detect(const qcResult** result);
-    Side SideOf(uint32_t slot) const;
-    Numbers NumbersOf(const qcPair& pair) const;
-    qcSweptTriangles TrianglesOf(const qcPair& pair, const qcProximity& atStart) const;
     bool IsExempt(const qcSweptObject& a, const qcSweptObject& b) const;
     bool AreInEachOther(const qcSweptObject& a, const qcSweptObject& b, const qcProximity& atStart) const;
     bool CollectMeetings(const qcResult& result);
@@ -106,18 +93,15 @@ class qcMotionLimiter
     void CommitAll(btScalar timeStep);
     void Run(btScalar timeStep, qcMeshContactStatistics* statistics);
     void WriteStatistics(double start, qcMeshContactStatistics* statistics);
-    static bool TestPair(void* context, uint32_t slotA, uint32_t slotB);
 
-    const qcBatchSettings& m_settings;
     qcKnownGaps& m_gaps;
     qcAxisCache& m_axes;
     qcSweptObjects m_objects;
     qcMotionIslands m_islands;
-    qcScene* m_scene = nullptr;
-    std::vector<qcSweptPair> m_pairs;                            ///< to certify
-    std::vector<qcSweptPair> m_unprovenPairs;                    ///< of the present round, by their objects' numbers
-    std::vector<std::pair<qcSweptObject*, size_t>> m_meshOfSlot; ///< object and index of its mesh
-    std::vector<qcSweptTriangles> m_unprovenTriangles;           ///< of the last detection
+    qcSweptScene m_scene;
+    std::vector<qcSweptPair> m_pairs;                  ///< to certify
+    std::vector<qcSweptPair> m_unprovenPairs;          ///< of the present round, by their objects' numbers
+    std::vector<qcSweptTriangles> m_unprovenTriangles; ///< of the last detection
     std::set<Numbers> m_exempt;  ///< objects that penetrate at the start of the step, or can't be kept apart in it
     std::set<Numbers> m_meeting; ///< objects that touch at the start of the step, up to rounding
     qcMotionPlanes m_planes;

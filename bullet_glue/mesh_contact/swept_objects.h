@@ -66,6 +66,12 @@ inline std::pair<uint32_t, uint32_t> qcNumbersOf(const qcSweptPair& pair)
     return std::minmax(pair.first->number, pair.second->number);
 }
 
+/// The order of pairs, by the numbers of their objects.
+inline bool qcIsBefore(const qcSweptPair& x, const qcSweptPair& y)
+{
+    return qcNumbersOf(x) < qcNumbersOf(y);
+}
+
 /// The largest part of a motion, up to `limit` and bisection, for which `holds` is true; below 0: none.
 template <class Holds> btScalar qcFindLargestPart(btScalar limit, const Holds& holds)
 {

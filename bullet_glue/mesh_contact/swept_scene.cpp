@@ -1,0 +1,115 @@
+// The scene in which the motions of a step are certified.
+#include "mesh_contact/swept_scene.h"
+
+#include "common/profiled_detect.h"
+
+#include <algorithm>
+
+qcSweptScene::~qcSweptScene()
+{
+    qcScene_Destroy(m_scene);
+}
+
+/// Brings the scene's meshes of an object up to date.
+qcStatus qcSweptScene::AddMeshes(qcSweptObject* swept)
+{
+    std::vector<qcBatchMesh> present;
+    qcCollectMeshes(swept->object->getCollisionShape(), btTransform::getIdentity(), &present);
+    auto isSame = [](const qcSweptMesh& mesh, const qcBatchMesh& now)
+    {
+        return mesh.shape == now.shape && qcAreSame(mesh.local, now.transform) &&
+               mesh.revision == qcMeshRevision(now.shape);
+    };
+    if (std::equal(swept->meshes.begin(), swept->meshes.end(), present.begin(), present.end(), isSame))
+        return qc_statusOk;
+    for (qcSweptMesh& mesh : swept->meshes)
+        qcScene_RemoveBody(m_scene, mesh.id);
+    swept->meshes.clear();
+    for (const qcBatchMesh& now : present)
+    {
+        qcSweptMesh mesh{now.shape, now.transform, qcMeshRevision(now.shape), {}, nullptr};
+        mesh.triangles.reset(new qcMeshTriangles(now.shape, nullptr));
+        const qcMeshTriangles& all = *mesh.triangles;
+        qcBodyDef def = qcMeshBodyDef(all.points, all.pointCount, all.indices, all.count, swept->start * mesh.local,
+                                      qc_activityMoving);
+        def.owner = swept->number;
+        qcStatus status = qcScene_AddBody(m_scene, &def, &mesh.id);
+        if (status != qc_statusOk)
+            return status;
+        m_meshOfSlot.resize(std::max(m_meshOfSlot.size(), size_t(mesh.id.slot) + 1));
+        m_meshOfSlot[mesh.id.slot] = {swept, swept->meshes.size()};
+        swept->meshes.push_back(std::move(mesh));
+    }
+    return qc_statusOk;
+}
+
+/// Places the meshes of all pairs at the start or the end of the step.
+qcStatus qcSweptScene::PlaceMeshes(bool atStart)
+{
+    qcStatus status = qc_statusOk;
+    for (const qcSweptPair& pair : *m_pairs)
+        for (const qcSweptObject* swept : {pair.first, pair.second})
+            for (const qcSweptMesh& mesh : swept->meshes)
+            {
+                qcTransform transform = qcTransformOf((atStart ? swept->start : swept->end) * mesh.local);
+                qcStatus set = qcScene_SetTransform(m_scene, mesh.id, &transform);
+                status = status == qc_statusOk ? set : status;
+            }
+    return status;
+}
+
+bool qcSweptScene::TestPair(void* context, uint32_t slotA, uint32_t slotB)
+{
+    const auto* scene = static_cast<const qcSweptScene*>(context);
+    qcSweptPair pair(scene->m_meshOfSlot[slotA].first, scene->m_meshOfSlot[slotB].first);
+    if (pair.first->number > pair.second->number)
+        std::swap(pair.first, pair.second);
+    return std::binary_search(scene->m_pairs->begin(), scene->m_pairs->end(), pair, qcIsBefore);
+}
+
+qcStatus qcSweptScene::Detect(const std::vector<qcSweptPair>& pairs, const qcResult** result)
+{
+    m_pairs = &pairs;
+    qcStatus status = qc_statusOk;
+    if (m_scene == nullptr)
+    {
+        qcSceneDef def = qcDefaultSceneDef();
+        status = qcScene_Create(&def, &m_scene);
+    }
+    for (const qcSweptPair& pair : pairs)
+        for (qcSweptObject* swept : {pair.first, pair.second})
+            status = status == qc_statusOk ? AddMeshes(swept) : status;
+    if (status == qc_statusOk)
+        status = PlaceMeshes(true);
+    if (status == qc_statusOk)
+        status = qcScene_MarkStart(m_scene);
+    if (status == qc_statusOk)
+        status = PlaceMeshes(false);
+    if (status != qc_statusOk)
+        return status;
+    qcDetectDef def = qcProfiledDetectDef();
+    def.method = qc_methodSweep;
+    def.motion = true;
+    def.proximities = true;
+    def.threads = m_settings.threads;
+    def.pairFilter = TestPair;
+    def.pairFilterContext = this;
+    return qcScene_Detect(m_scene, &def, result);
+}
+
+qcSweptScene::Side qcSweptScene::SideOf(uint32_t slot) const
+{
+    const auto& [swept, mesh] = m_meshOfSlot[slot];
+    return {swept, &swept->meshes[mesh]};
+}
+
+std::pair<uint32_t, uint32_t> qcSweptScene::NumbersOf(const qcPair& pair) const
+{
+    return std::minmax(SideOf(pair.bodyA).swept->number, SideOf(pair.bodyB).swept->number);
+}
+
+qcSweptTriangles qcSweptScene::TrianglesOf(const qcPair& pair, const qcProximity& atStart) const
+{
+    Side a = SideOf(pair.bodyA), b = SideOf(pair.bodyB);
+    return {&pair, &atStart, {a.swept, a.mesh, pair.triangleA}, {b.swept, b.mesh, pair.triangleB}};
+}
