@@ -73,16 +73,21 @@ static qcDetectDef DefOf(qcMethod method, uint32_t threads)
     return def;
 }
 
-static void CheckEqual(const qcResult* expected, const qcResult* found, const char* what)
+/// All methods that never miss a pair give the same pairs. Their candidates differ, and `auto` chooses by measured
+/// time.
+static void CheckEqual(const qcResult* expected, const qcResult* found, qcMethod method)
 {
     qcResultHash a = qcResult_Hash(expected), b = qcResult_Hash(found);
     ck_assert_uint_gt(expected->pairCount, 0);
-    ck_assert_msg(memcmp(&a, &b, sizeof a) == 0, "%s: %zu pairs, expected %zu", what, found->pairCount,
+    ck_assert_msg(memcmp(&a, &b, sizeof a) == 0, "%s: %zu pairs, expected %zu", qcMethod_Name(method), found->pairCount,
                   expected->pairCount);
+    const bool isSameMethod = expected->profile.method == found->profile.method;
+    ck_assert(isSameMethod || method == qc_methodAuto);
+    if (!isSameMethod)
+        return;
     ck_assert_uint_eq(expected->pcsCount, found->pcsCount);
     ck_assert(memcmp(expected->pcs, found->pcs, found->pcsCount * sizeof *found->pcs) == 0);
     ck_assert_uint_eq(expected->candidateCount, found->candidateCount);
-    ck_assert_int_eq(expected->profile.method, found->profile.method);
 }
 
 static void CompareWays(qcDevice* device, qcMethod method, uint32_t threads)
@@ -104,7 +109,7 @@ static void CompareWays(qcDevice* device, qcMethod method, uint32_t threads)
         if (step > 1)
             usleep(3000); // the thread begins before the end, and after it
         CHECK_OK(qcScene_DetectEnd(begun.scene, &found));
-        CheckEqual(expected, found, qcMethod_Name(method));
+        CheckEqual(expected, found, method);
         memcpy(begun.soup.positions, direct.soup.positions, size);
     }
     EndWorld(&direct);
@@ -142,7 +147,7 @@ static void CompareLate(qcDevice* device, qcMethod method, uint32_t threads)
         if (step != 0)
         {
             CHECK_OK(qcScene_DetectEnd(late.scene, &found));
-            CheckEqual(expected, found, qcMethod_Name(method));
+            CheckEqual(expected, found, method);
         }
         Move(&late);
         CHECK_OK(qcScene_DetectBegin(late.scene, &def));
@@ -150,7 +155,7 @@ static void CompareLate(qcDevice* device, qcMethod method, uint32_t threads)
         CHECK_OK(qcScene_Detect(direct.scene, &def, &expected));
     }
     CHECK_OK(qcScene_DetectEnd(late.scene, &found));
-    CheckEqual(expected, found, "the last step");
+    CheckEqual(expected, found, method);
     EndWorld(&direct);
     EndWorld(&late);
 }
@@ -185,7 +190,7 @@ static void EndTogether(qcDevice* device, qcMethod method)
     for (int i = qc_sceneCount - 1; i >= 0; i--)
     {
         CHECK_OK(qcScene_DetectEnd(begun[i].scene, &found));
-        CheckEqual(expected, found, "scenes at once");
+        CheckEqual(expected, found, method);
         EndWorld(&begun[i]);
     }
     EndWorld(&direct);
@@ -286,7 +291,7 @@ START_TEST(a_pending_step_runs_beside_its_caller_and_refuses_changes_without_eff
     CheckRefusals(&begun, &def);
     sem_post(&gate.open);
     CHECK_OK(qcScene_DetectEnd(begun.scene, &found));
-    CheckEqual(expected, found, "after refusals");
+    CheckEqual(expected, found, def.method);
     // The scene is as if nothing had been called.
     Move(&direct);
     CHECK_OK(qcScene_SetVertices(begun.scene, begun.cloth, direct.soup.positions, qc_positionF64, 0));
@@ -295,7 +300,7 @@ START_TEST(a_pending_step_runs_beside_its_caller_and_refuses_changes_without_eff
     CHECK_OK(qcScene_SetTransform(begun.scene, begun.rigid, &transform));
     CHECK_OK(qcScene_Detect(direct.scene, &def, &expected));
     CHECK_OK(qcScene_Detect(begun.scene, &def, &found));
-    CheckEqual(expected, found, "the step after refusals");
+    CheckEqual(expected, found, def.method);
     EndWorld(&direct);
     EndWorld(&begun);
     ck_assert_uint_eq(qcGetByteCount(), 0);
