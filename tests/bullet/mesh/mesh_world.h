@@ -162,8 +162,9 @@ struct qcPlacedModel
     const btRigidBody* body;
 };
 
-/// Pairs of triangles of different bodies that penetrate, by the exact test.
-inline size_t qcCountPenetrating(const std::vector<qcPlacedModel>& all)
+/// Calls use(result) with the pairs of triangles of different bodies, where these are.
+template <typename Use>
+void qcDetectPlaced(const std::vector<qcPlacedModel>& all, const qcDetectDef& detect, const Use& use)
 {
     qcSceneDef sceneDef = qcDefaultSceneDef();
     qcScene* scene = nullptr;
@@ -174,7 +175,7 @@ inline size_t qcCountPenetrating(const std::vector<qcPlacedModel>& all)
         moved.Move(placed.body->getWorldTransform());
         qcBodyDef def = qcDefaultBodyDef();
         def.positions = moved.positions.data();
-        def.positionType = sizeof(btScalar) == sizeof(double) ? qc_positionF64 : qc_positionF32;
+        def.positionType = qcBulletPositions;
         def.vertexCount = uint32_t(moved.positions.size() / 3);
         def.indices = moved.indices.data();
         def.triangleCount = moved.TriangleCount();
@@ -182,12 +183,19 @@ inline size_t qcCountPenetrating(const std::vector<qcPlacedModel>& all)
         qcBodyId id;
         ck_assert_int_eq(qcScene_AddBody(scene, &def, &id), qc_statusOk);
     }
+    const qcResult* result = nullptr;
+    ck_assert_int_eq(qcScene_Detect(scene, &detect, &result), qc_statusOk);
+    use(*result);
+    qcScene_Destroy(scene);
+}
+
+/// Pairs of triangles of different bodies that penetrate, by the exact test.
+inline size_t qcCountPenetrating(const std::vector<qcPlacedModel>& all)
+{
     qcDetectDef def = qcDefaultDetectDef();
     def.method = qc_methodBrute;
-    const qcResult* result = nullptr;
-    ck_assert_int_eq(qcScene_Detect(scene, &def, &result), qc_statusOk);
-    size_t pairs = result->pairCount;
-    qcScene_Destroy(scene);
+    size_t pairs = 0;
+    qcDetectPlaced(all, def, [&](const qcResult& result) { pairs = result.pairCount; });
     return pairs;
 }
 

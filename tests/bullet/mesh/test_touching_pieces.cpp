@@ -69,31 +69,15 @@ void AddPieces(qcMeshWorld* world, const CutDef& def, btScalar speed, Pieces* pi
 /// How deep triangles of different bodies are in each other.
 double DeepestOf(const std::vector<qcPlacedModel>& all)
 {
-    qcSceneDef sceneDef = qcDefaultSceneDef();
-    qcScene* scene = nullptr;
-    ck_assert_int_eq(qcScene_Create(&sceneDef, &scene), qc_statusOk);
-    std::vector<qcBodyId> ids(all.size());
-    for (size_t i = 0; i < all.size(); i++)
-    {
-        qcModel moved = *all[i].model;
-        moved.Move(all[i].body->getWorldTransform());
-        qcBodyDef def = qcDefaultBodyDef();
-        def.positions = moved.positions.data();
-        def.positionType = qcBulletPositions;
-        def.vertexCount = uint32_t(moved.positions.size() / 3);
-        def.indices = moved.indices.data();
-        def.triangleCount = moved.TriangleCount();
-        def.selfCollision = false;
-        ck_assert_int_eq(qcScene_AddBody(scene, &def, &ids[i]), qc_statusOk);
-    }
     qcDetectDef def = qcDefaultDetectDef();
     def.proximities = true;
-    const qcResult* result = nullptr;
-    ck_assert_int_eq(qcScene_Detect(scene, &def, &result), qc_statusOk);
     double deepest = 0;
-    for (size_t i = 0; i < result->pairCount; i++)
-        deepest = std::max(deepest, result->proximities[i].depth);
-    qcScene_Destroy(scene);
+    auto measure = [&](const qcResult& result)
+    {
+        for (size_t i = 0; i < result.pairCount; i++)
+            deepest = std::max(deepest, result.proximities[i].depth);
+    };
+    qcDetectPlaced(all, def, measure);
     return deepest;
 }
 

@@ -80,6 +80,14 @@ struct BetweenWorld
         info->m_gravity = gravity;
     }
 
+    /// A static sheet of 4 m at a height.
+    void AddFloor(btScalar y)
+    {
+        btTransform place = btTransform::getIdentity();
+        place.setOrigin(btVector3(0, y, 0));
+        AddMesh(qcFloorModel(2, 4), place, 0, 0);
+    }
+
     void RemoveCloth()
     {
         if (isDeformable)
@@ -206,9 +214,7 @@ START_TEST(a_cloth_on_a_floor_is_not_pierced_by_stacked_sheets_that_are_hit)
     {
         BetweenWorld world(_i == 1);
         world.AddCloth(btScalar(0.6), 13);
-        btTransform below = btTransform::getIdentity();
-        below.setOrigin(btVector3(0, btScalar(-0.02), 0));
-        world.AddMesh(qcFloorModel(2, 4), below, 0, 0);
+        world.AddFloor(btScalar(-0.02));
         for (int i = 0; i < 3; i++)
         {
             btScalar y = btScalar(0.04 + 0.3 * i) + Jitter(start, i) / 10 + btScalar(0.007);
@@ -229,9 +235,7 @@ START_TEST(a_cloth_that_a_mesh_carries_along_does_not_pass_the_floor_that_it_mee
         BetweenWorld world(_i == 1);
         world.AddCloth(btScalar(0.6), 13);
         // Further from the cloth than it moves by itself.
-        btTransform below = btTransform::getIdentity();
-        below.setOrigin(btVector3(0, btScalar(-0.5), 0));
-        world.AddMesh(qcFloorModel(2, 4), below, 0, 0);
+        world.AddFloor(btScalar(-0.5));
         world.AddMesh(qcSphereModel(0.15, 2), Place(start, btScalar(0.2)), 50, -60);
         for (int step = 0; step < 8; step++)
             world.StepApart();
