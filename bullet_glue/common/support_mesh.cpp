@@ -93,16 +93,17 @@ qcSupportMesh::qcSupportMesh(const btCollisionShape* shape) : m_triangles(shape,
         m_triangles.pointCount, m_triangles.count, 3,
         [this](uint32_t t, int c) { return m_triangles.indices[3 * t + uint32_t(c)]; }, &m_trianglesOf);
     FindFaces();
-    for (uint32_t t = 0; t < m_triangles.count && m_isConvex; t++)
-        m_isConvex = HasAllBelow(t);
 }
 
-/// True if no vertex is above the triangle by more than rounding.
-bool qcSupportMesh::HasAllBelow(uint32_t triangle) const
+bool qcSupportMesh::IsConvex() const
 {
-    const btVector3& normal = m_normals[triangle];
-    const btVector3& corner = m_triangles.points[m_triangles.indices[3 * size_t(triangle)]];
-    return normal.fuzzyZero() || Max(normal) <= normal.dot(corner) + s_maxBump * m_radius;
+    for (size_t t = 0; t < m_triangles.count; t++)
+    {
+        const btVector3& corner = m_triangles.points[m_triangles.indices[3 * t]];
+        if (!m_normals[t].fuzzyZero() && Max(m_normals[t]) > m_normals[t].dot(corner) + s_maxBump * m_radius)
+            return false;
+    }
+    return true;
 }
 
 void qcSupportMesh::FindFaces()

@@ -84,11 +84,8 @@ class qcSupportMesh
     {
         return m_facesByMax;
     }
-    /// True if no vertex is above a triangle by more than rounding: the mesh is its hull.
-    bool IsConvex() const
-    {
-        return m_isConvex;
-    }
+    /// True if no vertex is above a triangle by more than rounding: the mesh is its hull. O(triangles * vertices).
+    bool IsConvex() const;
     /// Upper bound of the vertices' distance from the origin.
     btScalar Radius() const
     {
@@ -103,7 +100,6 @@ class qcSupportMesh
     };
 
     void FindFaces();
-    bool HasAllBelow(uint32_t triangle) const;
     EdgeLists FindEdges() const;
     /// Found by the first call: meshes that touch along common faces, or nothing at all, need none.
     const EdgeLists& FoundEdges() const
@@ -122,7 +118,6 @@ class qcSupportMesh
     mutable std::unique_ptr<const EdgeLists> m_edges;
     mutable std::atomic<const EdgeLists*> m_foundEdges{nullptr};
     btScalar m_radius = 0;
-    bool m_isConvex = true;
 };
 
 /// A mesh in world space.

@@ -70,8 +70,8 @@ bool qcMotionLimiter::IsExempt(const qcSweptObject& a, const qcSweptObject& b) c
 /// their sides are flush, their triangles don't show it.
 bool qcMotionLimiter::AreInEachOther(const qcSweptObject& a, const qcSweptObject& b, const qcProximity& atStart) const
 {
-    if (a.hull == nullptr || b.hull == nullptr || !a.hull->IsConvex() || !b.hull->IsConvex() ||
-        m_meeting.count(std::minmax(a.number, b.number)) > 0)
+    if (a.hull == nullptr || b.hull == nullptr || m_meeting.count(std::minmax(a.number, b.number)) > 0 ||
+        !a.hull->IsConvex() || !b.hull->IsConvex())
         return false;
     qcPlacedSupport startA{a.hull, a.start}, startB{b.hull, b.start};
     btScalar gap = qcFindSeparation(startA, startB, qcVectorOf(atStart.normal), BT_LARGE_FLOAT, 0).gap;
@@ -92,9 +92,10 @@ bool qcMotionLimiter::CollectMeetings(const qcResult& result)
         if (pair.relation == qc_relationDisjoint && atStart.distance > double(qcCertifiableGap(a, b)))
             continue;
         bool touches = !triangles.ArePenetrating(2 * qcTouchingDepth(a, b)) && !AreInEachOther(a, b, atStart);
-        (touches ? m_meeting : m_exempt).insert(m_scene.NumbersOf(pair));
+        const Numbers numbers = qcNumbersOf(triangles.Objects());
+        (touches ? m_meeting : m_exempt).insert(numbers);
         if (touches && a.hull != nullptr && b.hull != nullptr)
-            anyNew = m_touching.Add(m_scene.NumbersOf(pair)) || anyNew;
+            anyNew = m_touching.Add(numbers) || anyNew;
     }
     return anyNew;
 }
@@ -105,12 +106,11 @@ void qcMotionLimiter::FindUnproven(const qcResult& result, bool pushes)
     m_unprovenTriangles.clear();
     for (size_t i = 0; i < result.pairCount; i++)
     {
-        const qcPair& pair = result.pairs[i];
-        qcSweptTriangles triangles = m_scene.TrianglesOf(pair, result.proximities[i]);
+        qcSweptTriangles triangles = m_scene.TrianglesOf(result.pairs[i], result.proximities[i]);
         const qcSweptObject &a = *triangles.a.swept, &b = *triangles.b.swept;
         if (IsExempt(a, b))
             continue;
-        if (m_meeting.count(m_scene.NumbersOf(pair)) > 0)
+        if (m_meeting.count(qcNumbersOf(triangles.Objects())) > 0)
             triangles.MeetWithin(qcTouchingDepth(a, b));
         if (triangles.IsUnproven(pushes))
             m_unprovenTriangles.push_back(triangles);
@@ -196,13 +196,15 @@ void qcMotionLimiter::AddPlanes()
     std::set<Numbers> facing;
     for (const qcSweptTriangles& triangles : m_unprovenTriangles)
         if (triangles.FaceEachOther())
-            facing.insert(m_scene.NumbersOf(*triangles.pair));
+            facing.insert(qcNumbersOf(triangles.Objects()));
     for (const qcSweptTriangles& triangles : m_unprovenTriangles)
-        if (!triangles.meet || triangles.FaceEachOther() || facing.count(m_scene.NumbersOf(*triangles.pair)) == 0)
-        {
-            triangles.AddPlane(&m_planes);
-            m_stopped.insert(m_scene.NumbersOf(*triangles.pair));
-        }
+    {
+        const Numbers numbers = qcNumbersOf(triangles.Objects());
+        if (triangles.meet && !triangles.FaceEachOther() && facing.count(numbers) > 0)
+            continue;
+        triangles.AddPlane(&m_planes);
+        m_stopped.insert(numbers);
+    }
 }
 
 /// From now on motions are those to the ends that the planes have found.

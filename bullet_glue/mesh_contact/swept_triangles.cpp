@@ -16,10 +16,12 @@ struct Corners
         triangles.b.CornersAt(atB, b);
     }
 
-    /// The penetration depth; 0 if they are apart.
-    btScalar Depth(qcProximity* proximity) const
+    /// The least translation that parts them; a depth of 0 if they are apart.
+    qcProximity Penetration() const
     {
-        return qcTrianglesWithin(a, b, 0, proximity) ? btScalar(proximity->depth) : btScalar(0);
+        qcProximity proximity = {};
+        qcTrianglesWithin(a, b, 0, &proximity);
+        return proximity;
     }
 
     /// The least product of A's corners with a direction, less the largest of B's.
@@ -48,16 +50,32 @@ struct Corners
     }
 };
 
-/// Twice the area of a triangle, along its normal.
-btVector3 AreaOf(const double corners[9])
+/// The vector between two corners.
+btVector3 Between(const double* from, const double* to)
 {
-    auto side = [corners](int to)
-    {
-        return btVector3(btScalar(corners[to] - corners[0]), btScalar(corners[to + 1] - corners[1]),
-                         btScalar(corners[to + 2] - corners[2]));
-    };
-    return side(3).cross(side(6));
+    return btVector3(btScalar(to[0] - from[0]), btScalar(to[1] - from[1]), btScalar(to[2] - from[2]));
 }
+
+/// Two triangles that may lie in one plane.
+struct Facing
+{
+    btScalar cosine;  ///< its sign is that of the cosine between their normals
+    btVector3 across; ///< along the normal of the larger one, which is more exact; from B to A if they face each other
+
+    explicit Facing(const Corners& corners)
+    {
+        const btVector3 areaA = AreaOf(corners.a), areaB = AreaOf(corners.b);
+        cosine = areaA.dot(areaB);
+        across = areaA.length2() > areaB.length2() ? -areaA : areaB;
+    }
+
+  private:
+    /// Twice the area of a triangle, along its normal.
+    static btVector3 AreaOf(const double corners[9])
+    {
+        return Between(corners, corners + 3).cross(Between(corners, corners + 6));
+    }
+};
 
 /// The largest gap of two triangles in one plane, along the normals of their edges; below 0: they overlap.
 btScalar GapInPlane(const Corners& corners, const btVector3& normal)
@@ -66,8 +84,7 @@ btScalar GapInPlane(const Corners& corners, const btVector3& normal)
     for (const double* triangle : {corners.a, corners.b})
         for (int c = 0; c < 3; c++)
         {
-            const double *from = triangle + 3 * c, *to = triangle + 3 * ((c + 1) % 3);
-            btVector3 along(btScalar(to[0] - from[0]), btScalar(to[1] - from[1]), btScalar(to[2] - from[2]));
+            btVector3 along = Between(triangle + 3 * c, triangle + 3 * ((c + 1) % 3));
             btVector3 across = along.cross(normal).normalized();
             gap = std::max({gap, corners.GapAlong(across), corners.GapAlong(-across)});
         }
@@ -78,9 +95,8 @@ btScalar GapInPlane(const Corners& corners, const btVector3& normal)
 bool AreTooDeep(const qcSweptTriangles& triangles, const Corners& corners)
 {
     // Nearly all that touch are still apart along the direction of the start.
-    qcProximity proximity;
     return corners.GapAlong(qcVectorOf(triangles.atStart->normal)) < -triangles.maxDepth &&
-           corners.Depth(&proximity) > triangles.maxDepth;
+           btScalar(corners.Penetration().depth) > triangles.maxDepth;
 }
 
 Corners AtStart(const qcSweptTriangles& triangles)
@@ -118,11 +134,10 @@ bool qcSweptTriangles::ArePenetrating(btScalar touchingDepth) const
 {
     if (btScalar(atStart->depth) > touchingDepth)
         return true;
-    Corners start = AtStart(*this);
-    btVector3 areaA = AreaOf(start.a), areaB = AreaOf(start.b);
-    btVector3 normal = areaA.length2() > areaB.length2() ? areaA : areaB;
-    return areaA.dot(areaB) > 0 && start.ExtentAlong(normal.normalized()) <= 4 * touchingDepth &&
-           GapInPlane(start, normal.normalized()) < -touchingDepth;
+    const Corners start = AtStart(*this);
+    const Facing sides(start);
+    return sides.cosine > 0 && start.ExtentAlong(sides.across.normalized()) <= 4 * touchingDepth &&
+           GapInPlane(start, sides.across.normalized()) < -touchingDepth;
 }
 
 void qcSweptTriangles::MeetWithin(btScalar touchingDepth)
@@ -130,16 +145,14 @@ void qcSweptTriangles::MeetWithin(btScalar touchingDepth)
     if (btScalar(atStart->distance) > touchingDepth)
         return;
     meet = true;
-    Corners start = AtStart(*this);
-    qcProximity proximity;
+    const Corners start = AtStart(*this);
     // The scene's corners are rounded otherwise.
-    maxDepth = btScalar(atStart->depth) <= touchingDepth / 2 ? touchingDepth
-                                                             : std::max(touchingDepth, start.Depth(&proximity));
-    btVector3 areaA = AreaOf(start.a), areaB = AreaOf(start.b);
-    // The larger one has the more exact normal.
-    btVector3 normal = areaA.length2() > areaB.length2() ? -areaA : areaB;
-    if (areaA.dot(areaB) < 0 && start.ExtentAlong(normal.normalized()) <= 2 * touchingDepth)
-        facing = normal.normalized();
+    maxDepth = touchingDepth;
+    if (btScalar(atStart->depth) > touchingDepth / 2)
+        maxDepth = std::max(maxDepth, btScalar(start.Penetration().depth));
+    const Facing sides(start);
+    if (sides.cosine < 0 && start.ExtentAlong(sides.across.normalized()) <= 2 * touchingDepth)
+        facing = sides.across.normalized();
 }
 
 bool qcSweptTriangles::IsUnproven(bool pushes) const
@@ -165,14 +178,17 @@ btScalar qcSweptTriangles::FindPart(btScalar limit) const
 
 void qcSweptTriangles::AddPlane(qcMotionPlanes* planes) const
 {
-    qcProximity nearest = *atStart, atEnd;
+    qcProximity nearest = *atStart;
     if (FaceEachOther())
         for (int axis = 0; axis < 3; axis++)
             nearest.normal[axis] = double(facing[axis]);
-    else if (meet && AtEnd(*this).Depth(&atEnd) > 0 &&
-             AtStart(*this).GapAlong(qcVectorOf(atEnd.normal)) >= -2 * maxDepth)
+    else if (meet)
+    {
         // Triangles that touch have many directions between them: the one of the least push is taken.
-        nearest = atEnd;
+        const qcProximity atEnd = AtEnd(*this).Penetration();
+        if (atEnd.depth > 0 && AtStart(*this).GapAlong(qcVectorOf(atEnd.normal)) >= -2 * maxDepth)
+            nearest = atEnd;
+    }
     if (meet)
         nearest.distance = 2 * double(maxDepth);
     planes->Add(*pair, a.PlaneSide(), b.PlaneSide(), nearest);

@@ -25,6 +25,11 @@ struct qcSweptTriangles
     btScalar maxDepth = 0;        ///< at the end, of triangles that meet
     btVector3 facing = {0, 0, 0}; ///< from B to A, if they meet and lie in one plane, facing each other; otherwise 0
 
+    qcSweptPair Objects() const
+    {
+        return std::minmax(a.swept, b.swept,
+                           [](const qcSweptObject* x, const qcSweptObject* y) { return x->number < y->number; });
+    }
     /// True if they penetrate at the start by more than this, or lie in one plane, face the same way and overlap there
     /// by more: their bodies are in each other, with sides flush.
     bool ArePenetrating(btScalar touchingDepth) const;
