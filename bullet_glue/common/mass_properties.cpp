@@ -16,6 +16,8 @@ namespace
 {
 // A closed mesh with less volume, relative to the ball of the same area, has no inside: it is a sheet with two sides.
 constexpr double s_minFill = 1e-6;
+// Rounding errors of a variance, relative to the sum of the moments, reach about 1e-10 at the volume above.
+constexpr double s_rounding = 1e-6;
 constexpr double s_pi = 3.14159265358979323846;
 
 typedef std::array<double, 3> Point;
@@ -153,6 +155,20 @@ void InertiaAbout(const qcMoments& m, const double point[3], double tensor[3][3]
     }
 }
 
+/// True if no variance of positions about the centre of mass is negative, along any direction. Large parts that are
+/// inside out make it negative: the centre of mass then lies outside of the other parts.
+bool IsBody(const qcMoments& m)
+{
+    double center[3], tensor[3][3], axes[3][3];
+    for (int axis = 0; axis < 3; axis++)
+        center[axis] = m.first[axis] / m.mass;
+    InertiaAbout(m, center, tensor);
+    Diagonalize(tensor, axes);
+    double sum = tensor[0][0] + tensor[1][1] + tensor[2][2];
+    double minVariance = sum / 2 - std::max({tensor[0][0], tensor[1][1], tensor[2][2]});
+    return minVariance >= -s_rounding * std::fabs(sum);
+}
+
 btMatrix3x3 ToMatrix(const double m[3][3], double factor)
 {
     btMatrix3x3 matrix;
@@ -251,7 +267,7 @@ qcMoments Measure(const btVector3* vertices, const uint32_t* indices, uint32_t t
             area += Area(p);
         });
     double ball = std::pow(area, 1.5) / (6 * std::sqrt(s_pi));
-    bool closed = std::fabs(moments.mass) > s_minFill * ball && hasClosedEdges();
+    bool closed = std::fabs(moments.mass) > s_minFill * ball && IsBody(moments) && hasClosedEdges();
     if (!closed)
     {
         moments = {};

@@ -184,28 +184,41 @@ struct CellPieces
     double lostVolume = 0;
 };
 
+/// Puts the origin of the piece's frame at `center`, rounded, and fills the vertices, in units, relative to it.
+qcMassProperties MeasureAbout(const qcFacetedMesh& island, const qcClipPoint& center, const qcFractureUnits& units,
+                              qcPiece* piece)
+{
+    piece->frame.setOrigin(units.Global(center));
+    const qcClipPoint origin = units.Local(piece->frame.getOrigin());
+    piece->vertices.clear();
+    for (const qcClipPoint& p : island.points)
+        piece->vertices.emplace_back(btScalar(p[0] - origin[0]), btScalar(p[1] - origin[1]),
+                                     btScalar(p[2] - origin[2]));
+    // In units, so that no moment of inertia overflows.
+    return qcMassPropertiesOf(
+        qcMeasureSolid(piece->vertices.data(), piece->indices.data(), uint32_t(piece->indices.size() / 3)));
+}
+
 /// Fills the piece's vertices in its frame: the centre of mass (given in local positions) and the principal axes.
 void PutInFrame(const qcFacetedMesh& island, const qcClipPoint& center, const qcFractureUnits& units, qcPiece* piece)
 {
+    qcMassProperties mass = MeasureAbout(island, center, units, piece);
     // Vertices are relative to the origin of the frame after its rounding to btScalar.
-    piece->frame.setOrigin(units.Global(center));
-    const qcClipPoint origin = units.Local(piece->frame.getOrigin());
-    auto about = [&](const qcClipPoint& p) {
-        return qcClipPoint{p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]};
-    };
-    for (const qcClipPoint& p : island.points)
+    qcClipPoint origin = units.Local(piece->frame.getOrigin());
+    if (!mass.closed)
     {
-        qcClipPoint v = about(p);
-        piece->vertices.emplace_back(btScalar(v[0]), btScalar(v[1]), btScalar(v[2]));
+        // A thin shell has its own centre: that of the volume may lie outside, where parts are inside out.
+        for (size_t k = 0; k < 3; k++)
+            origin[k] += double(mass.center[int(k)]);
+        mass = MeasureAbout(island, origin, units, piece);
+        origin = units.Local(piece->frame.getOrigin());
     }
-    // In units, so that no moment of inertia overflows.
-    const qcMassProperties mass = qcMassPropertiesOf(
-        qcMeasureSolid(piece->vertices.data(), piece->indices.data(), uint32_t(piece->indices.size() / 3)));
     const btMatrix3x3& axes = mass.principalFrame.getBasis();
     for (size_t i = 0; i < island.points.size(); i++)
     {
         // Rounded once, so that coinciding cut faces of two pieces also coincide in their frames.
-        qcClipPoint v = about(island.points[i]);
+        const qcClipPoint& p = island.points[i];
+        const qcClipPoint v = {p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]};
         for (int k = 0; k < 3; k++)
             piece->vertices[i][k] = btScalar(
                 (v[0] * double(axes[0][k]) + v[1] * double(axes[1][k]) + v[2] * double(axes[2][k])) * units.length);

@@ -1,6 +1,6 @@
 /// @file
-/// Breaks a closed triangle mesh into pieces, one or more in each cell of a Voronoi diagram. Pieces have materials and
-/// texture coordinates, and can be saved. Link quickcullide::fracture (or fracture_double), where voro++ and GLU are.
+/// Breaks a closed triangle mesh into pieces, one or more in each Voronoi cell that holds a part of it. Pieces have
+/// materials and textures, and can be saved. Link quickcullide::fracture or fracture_double, where voro++ and GLU are.
 ///
 ///     qcFractureDef def;
 ///     def.vertices = ..., def.indices = ..., def.sites = qcScatterSites(lower, upper, 100, 1, &impact);
@@ -42,6 +42,7 @@ struct qcPiece
     /// the other side of the cut (UINT32_MAX: none, for splinters of rounding).
     std::vector<uint32_t> sources;
     /// Centre of mass and principal axes, in the mesh's frame: the tensor of a btRigidBody is diagonal in this frame.
+    /// A piece without an inside (qcMassProperties::closed), as where the mesh crosses itself, counts as a thin shell.
     /// The centre is rounded to btScalar: for a mesh at 1e6, in float, it is off by up to 0.03.
     btTransform frame = btTransform::getIdentity();
     double volume = 0; ///< in cubed units of length; a btScalar might overflow

@@ -28,7 +28,8 @@ struct qcMassProperties
     /// (in float: meshes longer than 1e19 or shorter than 1e-19). Values out of range are 0, the others hold.
     qcStatus status = qc_statusOk;
     /// Each edge (vertices at equal positions count as one) is used equally often in both directions, and the mesh has
-    /// an inside. Otherwise the mesh counts as a thin shell.
+    /// an inside. A sheet with two sides has none, nor has a mesh with parts inside out so large that moments of
+    /// inertia would be negative. Otherwise the mesh counts as a thin shell.
     bool closed = false;
     double area = 0;           ///< in squared units of length
     double volume = 0;         ///< in cubed units of length; 0 unless closed

@@ -297,6 +297,28 @@ START_TEST(pieces_of_a_very_light_body_are_not_static)
 }
 END_TEST
 
+START_TEST(a_piece_that_is_partly_inside_out_has_its_centre_inside_and_rotates_about_each_axis)
+{
+    // A box, and at one of its corners a smaller one inside out: one piece of volume 8 - 3.375.
+    qcFractureDef def = qcBoxToBreak(1, 1, 1), other = qcBoxToBreak(0.75, 0.75, 0.75, true);
+    for (const btVector3& vertex : other.vertices)
+        def.vertices.push_back(vertex + btVector3(1, 1, 1) * btScalar(1.75));
+    for (uint32_t index : other.indices)
+        def.indices.push_back(8 + index);
+    def.sites = {btVector3(0, 0, 0)};
+    qcFracture fracture = qcFracture_Split(def);
+    ck_assert_int_eq(fracture.status, qc_statusOk);
+    ck_assert_uint_eq(fracture.pieces.size(), 1);
+    const qcPiece& piece = fracture.pieces[0];
+    ck_assert_double_eq_tol(piece.volume, 4.625, 1e-5);
+    for (int axis = 0; axis < 3; axis++)
+    {
+        ck_assert(piece.frame.getOrigin()[axis] > 0 && piece.frame.getOrigin()[axis] < 1);
+        ck_assert(piece.inertia[axis] > 0);
+    }
+}
+END_TEST
+
 START_TEST(bad_input_is_refused_with_its_place)
 {
     qcFractureDef box = qcBoxToBreak(1, 1, 1), def = box;
@@ -331,4 +353,5 @@ QC_RUN_TESTS("fracture", pieces_are_closed_lie_in_their_cells_and_fill_the_mesh,
              triangles_back_to_back_are_dropped, hollows_make_holes_in_cuts,
              the_same_input_gives_the_same_pieces_and_sites_gather_around_an_impact,
              momentum_and_angular_momentum_are_kept, pieces_of_a_very_light_body_are_not_static,
+             a_piece_that_is_partly_inside_out_has_its_centre_inside_and_rotates_about_each_axis,
              bad_input_is_refused_with_its_place)

@@ -104,6 +104,26 @@ START_TEST(a_box_far_from_its_origin_has_the_mass_properties_of_that_box)
 }
 END_TEST
 
+START_TEST(a_mesh_that_is_partly_inside_out_has_the_mass_properties_of_a_shell)
+{
+    // The signed volumes, 6 and -3, put the centre of mass at x = -4: outside, with negative moments about it.
+    qcModel model = BoxAt(1, 0, 0, 0), other = BoxAt(std::cbrt(0.5), 4, 0, 0);
+    uint32_t offset = uint32_t(model.positions.size() / 3);
+    model.positions.insert(model.positions.end(), other.positions.begin(), other.positions.end());
+    for (size_t i = 0; i < other.indices.size(); i += 3)
+        model.Add(offset + other.indices[i], offset + other.indices[i + 2], offset + other.indices[i + 1]);
+    auto shape = model.MakeShape();
+    qcMassProperties mass = shape->getMassProperties();
+    ck_assert_int_eq(mass.status, qc_statusOk);
+    ck_assert(!mass.closed);
+    ck_assert_double_eq_tol(double(mass.center.x()), 4 * std::cbrt(0.25) / (1 + std::cbrt(0.25)), 1e-5);
+    btVector3 inertia;
+    shape->makeRecentered()->calculateLocalInertia(1, inertia);
+    for (int i = 0; i < 3; i++)
+        ck_assert(mass.principalInertia[i] > 0 && inertia[i] > 0);
+}
+END_TEST
+
 START_TEST(the_margin_of_a_tiny_mesh_is_a_quarter_of_its_mean_edge)
 {
     qcModel one = BoxAt(1, 0, 0, 0), tiny = BoxAt(1e-25, 0, 0, 0);
@@ -123,4 +143,5 @@ END_TEST
 QC_RUN_TESTS("mesh mass", boxes_of_any_size_have_the_mass_properties_of_a_box,
              moments_that_a_btscalar_can_not_hold_are_0_with_a_status,
              a_box_far_from_its_origin_has_the_mass_properties_of_that_box,
+             a_mesh_that_is_partly_inside_out_has_the_mass_properties_of_a_shell,
              the_margin_of_a_tiny_mesh_is_a_quarter_of_its_mean_edge)
