@@ -242,16 +242,16 @@ typedef struct qcDetectDef
 {
     uint32_t structSize; ///< sizeof(qcDetectDef)
     qcMethod method;     ///< qc_methodAuto by default
-    /// Report all pairs at this distance or nearer, in scene units, decided exactly; touching pairs are then reported
-    /// too. 0: intersecting pairs only. `cullide` and `quick` refuse a margin unless `reliable` is set.
+    /// Report all pairs at this distance or nearer, finite, in scene units, decided exactly; touching pairs are then
+    /// reported too. 0: intersecting pairs only. `cullide` and `quick` refuse a margin unless `reliable` is set.
     double margin;
     bool touching;    ///< report touching pairs too
     bool neighbours;  ///< test pairs of triangles within a body that share a vertex index, too
     bool segments;    ///< compute the intersection segment of each penetrating pair
     bool proximities; ///< compute closest points, distance and depth of each reported pair
     bool manifolds;   ///< merge the reported pairs of two bodies, or of one with itself, into contact points
-    /// Report contacts between features (vertex and face, edge and edge) at this distance or nearer, in scene units.
-    /// 0: no contacts. Not available with `cullide` and `quick`.
+    /// Report contacts between features (vertex and face, edge and edge) at this distance or nearer, finite, in scene
+    /// units. 0: no contacts. Not available with `cullide` and `quick`.
     double contactMargin;
     /// Between a deforming and a rigid body report only contacts that are local minima of distance on the rigid surface
     /// (Voronoi-region filter).
@@ -260,7 +260,8 @@ typedef struct qcDetectDef
     /// even if nothing moved.
     qcPairFilter pairFilter;
     void* pairFilterContext; ///< passed to pairFilter
-    /// Threads to use. 0: one per core, or the number given to qcSetParallelFor. The result does not depend on it.
+    /// Threads to use; more than 256 count as 256. 0: one per core, or the number given to qcSetParallelFor. The result
+    /// does not depend on it. Each thread has memory of its own: about 300 KB in the smallest scene.
     uint32_t threads;
     //  For `layers` only; these change the cost, not the result.
     /// Pixels on a side of the image, rounded down to a power of two, up to 4096. 0: chosen from the triangles' sizes.

@@ -46,7 +46,8 @@ qcStatus qcDeviceDef_Check(const qcDeviceDef* def, const char* kindName)
         return qcFail(qc_statusBadInput, "qcDevice_Create: def->cacheFolder has %zu bytes, more than %d",
                       strlen(def->cacheFolder), qc_maxCacheFolder - 1);
     if (chosen && def->kind != qc_deviceEgl)
-        return qcFail(qc_statusBadInput, "qcDevice_Create: def chooses a GPU, for kind egl alone; def->kind is %s",
+        return qcFail(qc_statusBadInput,
+                      "qcDevice_Create: gpuIndex, gpuName and gpuUuid select a GPU for kind egl only; def->kind is %s",
                       kindName);
     return CheckShare(def, kindName, chosen);
 }

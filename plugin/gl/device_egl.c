@@ -189,7 +189,7 @@ static qcStatus OpenOnDevice(EGLDeviceEXT device, const qcGpuChoice* choice, qcC
 static void AddReason(char* reasons, size_t size, int index)
 {
     size_t length = strlen(reasons);
-    snprintf(reasons + length, size - length, "%s%d %s", length > 0 ? "; " : "", index, qcLastMessage());
+    snprintf(reasons + length, size - length, "%sGPU %d %s", length > 0 ? "; " : "", index, qcLastMessage());
 }
 
 static qcStatus OpenOnAny(const EGLDeviceEXT* devices, int count, const qcGpuChoice* choice, qcContext* context)

@@ -40,7 +40,7 @@ static qcStatus CheckViews(const char views[4], const char* function)
 static qcStatus CheckMargin(double margin, const char* name, const char* function)
 {
     if (!(margin >= 0.0) || isinf(margin))
-        return qcFail(qc_statusBadInput, "%s: %s is %g; it must be 0 or more", function, name, margin);
+        return qcFail(qc_statusBadInput, "%s: %s is %g; it must be finite and 0 or more", function, name, margin);
     return qc_statusOk;
 }
 

@@ -74,7 +74,7 @@ START_TEST(fields_beyond_a_smaller_device_definition_have_their_defaults)
     qcDevice* device = NULL;
     def.kind = qc_deviceNone;
     def.gpuName = "a GPU";
-    IsRefused(qcDevice_Create(&def, &device), "chooses a GPU");
+    IsRefused(qcDevice_Create(&def, &device), "select a GPU for kind egl only; def->kind is none");
     def.structSize = (uint32_t)offsetof(qcDeviceDef, gpuName);
     CHECK_OK(qcDevice_Create(&def, &device));
     qcDevice_Destroy(device);

@@ -319,7 +319,7 @@ START_TEST(calls_in_the_wrong_order_are_refused)
     ck_assert_int_eq(qcScene_DetectBegin(world.scene, NULL), qc_statusBadInput);
     def.margin = -1.0;
     ck_assert_int_eq(qcScene_DetectBegin(world.scene, &def), qc_statusBadInput);
-    ck_assert_str_eq(qcLastMessage(), "qcScene_DetectBegin: margin is -1; it must be 0 or more");
+    ck_assert_str_eq(qcLastMessage(), "qcScene_DetectBegin: margin is -1; it must be finite and 0 or more");
     // Nothing is pending.
     Move(&world);
     def.margin = 0.0;
