@@ -92,8 +92,7 @@ struct qcSoftBodyStatistics
 /// Tangled starts: triangles that penetrate at the start of a step are exempt, so a scene may start tangled. Each step
 /// works them apart (qcSoftBodySettings::untangle), over half the thickness and without a velocity for that:
 /// - Where an intersection curve cuts off a part of a surface, the part goes back through the other surface. The
-/// smaller
-///   part moves: the body returns to the side on which most of it is.
+///   smaller part moves: the body returns to the side on which most of it is.
 /// - Where a curve ends inside of both surfaces, it is shortened from its ends.
 /// Motion that tangles further ends as in an inelastic contact. Links that untangling compresses give nodes some
 /// velocity. Away from the curve nothing passes. A body that is inside of a closed one as a whole has no curve and
