@@ -77,6 +77,7 @@ fi
 echo "== the installed tool runs"
 if [ -f "$prefix/bin/qc-pairs" ]; then
     "$prefix/bin/qc-pairs" --help >/dev/null
+    "$prefix/bin/qc-replay" --help >/dev/null
 fi
 
 echo "== through CMake"
