@@ -75,26 +75,25 @@ static error_t ReadOption(int key, char* text, struct argp_state* state)
 }
 
 static const char s_help[] =
+    // Lines of the list fit 79 columns: argp would break longer ones without indenting.
     "Measures the methods of the library against each other, against other libraries, and against size.\n\n"
-    "  accuracy   run time against error: each method, resolution, views and order over scenes with known answers\n"
-    "  peers      run time beside Embree, Bullet and CGAL, on the same meshes in the same run\n"
-    "  first      the first steps of new meshes, and a new topology in every step, beside Embree's build and query\n"
-    "  scaling    run time and memory of 1 K to 4 M triangles and of 100 to 200 K boxes\n"
-    "  gpu        layers on a GL device beside sweep: pairs compared, each kernel timed by the device's clock\n"
-    "  paper      the scenes, tables, figures and factors of the paper's section 5, from recordings of the demos\n"
+    "  accuracy   run time against error over scenes with known answers\n"
+    "  peers      run time beside Embree, Bullet and CGAL, on the same meshes\n"
+    "  first      the first steps of new meshes, beside Embree's build and query\n"
+    "  scaling    1 K to 4 M triangles and 100 to 200 K boxes: run time, memory\n"
+    "  gpu        layers on a GL device beside sweep, each kernel timed\n"
+    "  paper      the scenes, tables and figures of the paper's section 5\n"
     "  broadphase moving boxes inside Bullet, beside its own broadphases\n"
-    "  queries    rays, sweeps and boxes on static meshes, beside Bullet's BVH shape\n"
+    "  queries    rays, sweeps and boxes on static meshes, beside Bullet's\n"
     "  soft       hard scenes of cloth, tangles and ropes, beside Bullet alone\n"
-    "  through    bodies thrown so fast that they could pass each other, beside version 0.2.0\n"
-    "  stability  long runs of scenes that come to rest: energy, penetration, contacts, memory\n"
-    "  piles      small meshes that fall on each other, beside btGImpactMeshShape and btConvexHullShape\n"
-    "  fracture   a mesh that falls and breaks into hundreds of pieces, beside convex hulls"
+    "  through    bodies thrown so fast that they could pass each other\n"
+    "  stability  long runs of scenes that come to rest: energy, depth, memory\n"
+    "  piles      small meshes that fall on each other, beside Bullet's shapes\n"
+    "  fracture   a mesh that breaks into hundreds of pieces, beside convex hulls"
     "\v\"qc-bench BENCHMARK --help\" lists the options of one.\n\n"
     "Exit status: 0 done; 1 output could not be written, out of memory, or a method that never misses missed; 2 a "
     "mistake on the command line; 3 a model or recording can't be read; 4 the device does not work here; 5 no peer "
-    "library was "
-    "there "
-    "when this was built.";
+    "library was there when this was built.";
 
 int main(int argumentCount, char** arguments)
 {

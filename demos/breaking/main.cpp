@@ -198,7 +198,7 @@ int main(int argumentCount, char** arguments)
          qcOption_Text(&options.bunny)},
         {1, "triangles", "N", "The dragon is made coarser until it has about as many; %s by default",
          qcOption_Number(&options.model.dragonTriangles, 1000, 10000000)},
-        {1, "bunny-triangles", "N", "So is the bunny; %s by default",
+        {1, "bunny-triangles", "N", "The bunny is made coarser until it has about as many; %s by default",
          qcOption_Number(&options.model.bunnyTriangles, 100, 10000000)},
         {1, "pieces", "N", "Voronoi cells of the dragon, each with a piece or more; %s by default",
          qcOption_Number(&options.model.cells, 1, 100000)},
@@ -214,7 +214,7 @@ int main(int argumentCount, char** arguments)
     if (status != qc_exitDone)
         return status;
     options.request.threads = options.common.threads;
-    status = options.view.on ? View(options, device) : Run(options, device);
+    status = options.view.Opens() ? View(options, device) : Run(options, device);
     qcDevice_Destroy(device);
     return status;
 }

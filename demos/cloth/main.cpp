@@ -220,7 +220,7 @@ int main(int argumentCount, char** arguments)
     if (status != qc_exitDone)
         return status;
     options.request.threads = options.common.threads;
-    status = options.view.on ? View(options, device) : Run(options, device);
+    status = options.view.Opens() ? View(options, device) : Run(options, device);
     qcDevice_Destroy(device);
     return status;
 }

@@ -166,7 +166,7 @@ int main(int argumentCount, char** arguments)
         return status;
     options.request.method = options.common.method;
     options.request.threads = options.common.threads;
-    status = options.view.on ? View(options, device) : Run(options, device);
+    status = options.view.Opens() ? View(options, device) : Run(options, device);
     qcDevice_Destroy(device);
     return status;
 }

@@ -227,7 +227,7 @@ int main(int argumentCount, char** arguments)
         return status;
     options.request.threads = options.world.threads = options.common.threads;
     options.world.method = options.common.method;
-    status = options.view.on ? View(options, device) : Run(options, device);
+    status = options.view.Opens() ? View(options, device) : Run(options, device);
     qcDevice_Destroy(device);
     return status;
 }

@@ -32,7 +32,11 @@ void qcView_AddOptions(std::vector<qcOption>* rows, qcViewOptions* options)
 {
     rows->insert(
         rows->end(),
-        {{9, nullptr, nullptr, "A live window in place of files:", {}},
+        {{9,
+          nullptr,
+          nullptr,
+          "A live window in place of files, opened by --view, --view-show or --view-screenshot:",
+          {}},
          {9, "view", nullptr, "Open a window: orbit, pause, pick, show what the culling does, change settings",
           qcOption_Flag(&options->on, true)},
          {9, "view-show", "WHAT",

@@ -24,6 +24,12 @@ struct qcViewOptions
     uint32_t frames = 120;            ///< to the screenshot; one step each
     qcViewMarks marks = qc_marksNone; ///< at first
     int modes = 0;                    ///< at first; bits of qcDebugDrawMode
+
+    /// True if the window opens: an option for what it shows, or for its picture, opens it too.
+    bool Opens() const
+    {
+        return on || screenshot != nullptr || marks != qc_marksNone || modes != 0;
+    }
 };
 
 /// Appends the options of the window to a command line. `options` must outlive the parsing.

@@ -97,7 +97,7 @@ static double ShareOfScene(const Picture* p, IsColor* isColor)
 /// Runs a command and reads its screenshot.
 static Picture TakePicture(const char* command, const char* options)
 {
-    int status = Run("%s --view --view-screenshot a.png %s", command, options);
+    int status = Run("%s --view-screenshot a.png %s", command, options);
     ck_assert_msg(status == 0, "exit status %d: %s", status, GetErrors());
     return Read("a.png");
 }
