@@ -58,6 +58,16 @@ class TriangleReader : public btInternalTriangleIndexCallback
     std::vector<btVector3>* m_vertices;
     std::vector<uint32_t>* m_indices;
 };
+
+size_t SizeOf(qcPositionType type)
+{
+    return 3 * (type == qc_positionF64 ? sizeof(double) : sizeof(float));
+}
+
+bool HasPositions(const void* positions, qcPositionType type, size_t stride, uint32_t count)
+{
+    return (stride == 0 || stride >= SizeOf(type)) && (positions != nullptr || count == 0);
+}
 } // namespace
 
 struct qcMeshShape::Implementation
@@ -89,9 +99,8 @@ struct qcMeshShape::Implementation
 void qcMeshShape::Implementation::ReadPositions(const void* positions, qcPositionType type, size_t stride,
                                                 uint32_t count)
 {
-    size_t scalar = type == qc_positionF64 ? sizeof(double) : sizeof(float);
     if (stride == 0)
-        stride = 3 * scalar;
+        stride = SizeOf(type);
     points.resize(count);
     for (size_t v = 0; v < count; v++)
     {
@@ -99,7 +108,7 @@ void qcMeshShape::Implementation::ReadPositions(const void* positions, qcPositio
         const char* at = static_cast<const char*>(positions) + v * stride;
         double wide[3];
         float narrow[3];
-        std::memcpy(type == qc_positionF64 ? static_cast<void*>(wide) : narrow, at, 3 * scalar);
+        std::memcpy(type == qc_positionF64 ? static_cast<void*>(wide) : narrow, at, SizeOf(type));
         if (type == qc_positionF64)
             points[v].setValue(btScalar(wide[0]), btScalar(wide[1]), btScalar(wide[2]));
         else
@@ -165,8 +174,13 @@ qcMeshShape::qcMeshShape(const void* positions, qcPositionType type, size_t stri
     : m_implementation(new Implementation)
 {
     m_shapeType = FAST_CONCAVE_MESH_PROXYTYPE;
-    m_implementation->ReadPositions(positions, type, stride, vertexCount);
-    m_implementation->indices.assign(indices, indices + 3 * size_t(triangleCount));
+    if (HasPositions(positions, type, stride, vertexCount) && (indices != nullptr || triangleCount == 0))
+    {
+        m_implementation->ReadPositions(positions, type, stride, vertexCount);
+        m_implementation->indices.assign(indices, indices + 3 * size_t(triangleCount));
+    }
+    else
+        m_implementation->status = qc_statusBadInput;
     m_implementation->Validate();
     m_implementation->Update();
     m_collisionMargin = m_implementation->DefaultMargin();

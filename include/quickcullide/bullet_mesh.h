@@ -83,8 +83,8 @@ ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
     qcMeshShape(const qcMeshShape&) = delete;
     qcMeshShape& operator=(const qcMeshShape&) = delete;
 
-    /// qc_statusBadInput: an index was out of range or a position not finite, and the mesh is empty. qcLastMessage has
-    /// no details.
+    /// qc_statusBadInput, and the mesh is empty: an index was out of range, a position not finite, a pointer null
+    /// although its count is not 0, or the stride less than a position. qcLastMessage has no details.
     qcStatus getStatus() const;
 
     uint32_t getVertexCount() const;   ///< the number of vertices

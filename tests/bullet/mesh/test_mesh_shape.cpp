@@ -425,6 +425,24 @@ START_TEST(a_scaled_shape_is_the_shape_of_the_scaled_mesh)
 }
 END_TEST
 
+START_TEST(arrays_that_can_not_be_read_are_refused)
+{
+    const btVector3 corners[3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    const uint32_t indices[3] = {0, 1, 2};
+    auto statusOf = [](const void* positions, size_t stride, const uint32_t* triangle)
+    {
+        qcMeshShape shape(positions, qcBulletPositions, stride, 3, triangle, 1);
+        ck_assert_uint_eq(shape.getTriangleCount(), shape.getStatus() == qc_statusOk ? 1 : 0);
+        return shape.getStatus();
+    };
+    ck_assert_int_eq(statusOf(corners, sizeof corners[0], indices), qc_statusOk);
+    ck_assert_int_eq(statusOf(nullptr, sizeof corners[0], indices), qc_statusBadInput);
+    ck_assert_int_eq(statusOf(corners, sizeof corners[0], nullptr), qc_statusBadInput);
+    ck_assert_int_eq(statusOf(corners, 3 * sizeof(btScalar) - 1, indices), qc_statusBadInput);
+    ck_assert_int_eq(qcMeshShape(nullptr, qcBulletPositions, 0, 0, nullptr, 0).getStatus(), qc_statusOk);
+}
+END_TEST
+
 START_TEST(invalid_meshes_are_refused_and_empty)
 {
     qcModel model = qcBoxModel(btVector3(1, 1, 1), 1);
@@ -528,6 +546,7 @@ QC_RUN_TESTS("mesh_shape", a_box_query_reports_exactly_the_triangles_whose_boxes
              a_fine_mesh_of_a_sphere_has_the_mass_properties_of_a_sphere,
              principal_axes_of_a_turned_and_moved_box_are_its_sides,
              a_mesh_turned_inside_out_has_the_same_mass_properties, an_open_mesh_has_the_mass_properties_of_a_shell,
-             a_scaled_shape_is_the_shape_of_the_scaled_mesh, invalid_meshes_are_refused_and_empty,
-             positions_come_in_both_precisions_with_any_stride, a_mesh_interface_of_bullets_makes_the_same_shape,
-             the_margin_is_a_centimetre_or_a_quarter_of_an_edge, the_first_queries_may_run_on_several_threads_at_once)
+             a_scaled_shape_is_the_shape_of_the_scaled_mesh, arrays_that_can_not_be_read_are_refused,
+             invalid_meshes_are_refused_and_empty, positions_come_in_both_precisions_with_any_stride,
+             a_mesh_interface_of_bullets_makes_the_same_shape, the_margin_is_a_centimetre_or_a_quarter_of_an_edge,
+             the_first_queries_may_run_on_several_threads_at_once)
