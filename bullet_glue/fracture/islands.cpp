@@ -92,6 +92,8 @@ std::vector<double> qcBondEnergies(const qcFracture& fracture, double toughness)
 
 double qcBreakBonds(const qcFracture& fracture, const qcImpact& impact, std::vector<double>* energies)
 {
+    if (impact.piece >= fracture.pieces.size() || energies->size() != fracture.bonds.size() || !(impact.energy > 0))
+        return 0;
     std::vector<std::vector<uint32_t>> bondsOf(fracture.pieces.size());
     for (uint32_t bond = 0; bond < fracture.bonds.size(); bond++)
         for (uint32_t piece : {fracture.bonds[bond].pieceA, fracture.bonds[bond].pieceB})
@@ -133,7 +135,7 @@ std::vector<qcIsland> qcFindIslands(const qcFracture& fracture, const std::vecto
     qcUnionFind sets;
     sets.Reset(fracture.pieces.size());
     for (size_t bond = 0; bond < fracture.bonds.size(); bond++)
-        if (energies[bond] > 0)
+        if (bond < energies.size() && energies[bond] > 0)
             sets.Unite(fracture.bonds[bond].pieceA, fracture.bonds[bond].pieceB);
     std::vector<qcIsland> islands;
     std::vector<size_t> islandOf(fracture.pieces.size());

@@ -187,7 +187,9 @@ struct qcImpact
 
 /// Breaks bonds, in the order of the distance of their centres from the impact, beginning at the piece that was hit and
 /// going on over bonds that the impact broke. Each takes its energy. The last one may get less than it needs: it holds,
-/// and is weaker from then on. Returns the energy that was taken. O(broken bonds * log(broken bonds)) plus O(bonds).
+/// and is weaker from then on. Returns the energy that was taken: 0, and nothing breaks, if the impact names no piece
+/// of the fracture, its energy is not positive, or `energies` does not have an entry for each bond. O(broken bonds *
+/// log(broken bonds)) plus O(bonds).
 QC_API double qcBreakBonds(const qcFracture& fracture, const qcImpact& impact, std::vector<double>* energies);
 
 /// Pieces that hold together.
@@ -200,8 +202,8 @@ struct qcIsland
     btVector3 inertia{0, 0, 0}; ///< for mass 1, along the frame's axes
 };
 
-/// The islands: pieces connected by bonds of an energy above 0. Each piece is in one island; islands are ordered by
-/// their first pieces. O(pieces + bonds).
+/// The islands: pieces connected by bonds of an energy above 0; bonds without an entry are broken. Each piece is in one
+/// island; islands are ordered by their first pieces. O(pieces + bonds).
 QC_API std::vector<qcIsland> qcFindIslands(const qcFracture& fracture, const std::vector<double>& energies);
 
 /// The motion of an island that breaks off `body`. `frame`: of the body in the mesh's frame, that of the island that it

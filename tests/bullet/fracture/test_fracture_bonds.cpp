@@ -427,6 +427,24 @@ START_TEST(a_weakened_bond_breaks_at_the_rest_of_its_energy)
 }
 END_TEST
 
+START_TEST(impacts_that_can_not_be_read_break_nothing)
+{
+    qcFractureDef def = qcBoxToBreak(1, 1, 1);
+    def.sites = {btVector3(-0.5, 0, 0), btVector3(0.5, 0, 0)};
+    qcFracture fracture = qcFracture_Split(def);
+    const std::vector<double> whole = qcBondEnergies(fracture, 10);
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const qcImpact impacts[] = {
+        {2, btVector3(0, 0, 0), 1e9}, {0, btVector3(0, 0, 0), nan}, {0, btVector3(0, 0, 0), -1}};
+    std::vector<double> energies = whole, none;
+    for (const qcImpact& impact : impacts)
+        ck_assert(qcBreakBonds(fracture, impact, &energies) == 0 && energies == whole);
+    ck_assert(qcBreakBonds(fracture, {0, btVector3(0, 0, 0), 1e9}, &none) == 0 && none.empty());
+    ck_assert_uint_eq(qcFindIslands(fracture, whole).size(), 1);
+    ck_assert_uint_eq(qcFindIslands(fracture, none).size(), 2);
+}
+END_TEST
+
 START_TEST(islands_keep_momentum_when_they_break_off_and_break_again)
 {
     for (uint32_t seed = 1; seed <= 4; seed++)
@@ -461,5 +479,5 @@ QC_RUN_TESTS("fracture bonds", bonds_have_the_areas_that_pieces_share,
              islands_partition_the_pieces_as_a_search_does, islands_have_the_mass_properties_of_their_pieces_together,
              an_impact_breaks_near_bonds_first_and_takes_their_energy,
              bonds_beyond_the_reach_of_infinite_energy_or_behind_those_hold,
-             a_weakened_bond_breaks_at_the_rest_of_its_energy,
+             a_weakened_bond_breaks_at_the_rest_of_its_energy, impacts_that_can_not_be_read_break_nothing,
              islands_keep_momentum_when_they_break_off_and_break_again)
