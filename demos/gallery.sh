@@ -4,6 +4,17 @@
 #   demos/view/view.png: the live window, drawn anew where xvfb-run is installed.
 set -eu
 
+case ${1-} in
+    -h | --help)
+        sed -n '2,/^set/s/^# \{0,1\}//p' "$0"
+        exit 0
+        ;;
+    '') ;;
+    *)
+        echo "demos/gallery.sh: there is no option '$1'; try --help" >&2
+        exit 2
+        ;;
+esac
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 command -v ffmpeg >/dev/null || { echo "demos/gallery.sh: ffmpeg is missing; install the package ffmpeg" >&2; exit 1; }
 

@@ -195,7 +195,10 @@ case ${1-} in
         shift
         exec "$(dirname -- "$0")/report/run.sh" "$@"
         ;;
-    gallery) exec "$(dirname -- "$0")/gallery.sh" ;;
+    gallery)
+        shift
+        exec "$(dirname -- "$0")/gallery.sh" "$@"
+        ;;
     cloth | fracture | breaking | leaves | gl-cloth | through | pairs | bench)
         demo=$1
         shift

@@ -22,7 +22,7 @@ enum
 
 static char* volatile s_temporaries[qc_maxOpen];
 
-static const int s_signals[] = {SIGINT, SIGTERM, SIGHUP};
+static const int s_signals[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};
 
 static void RemoveTemporaries(int signalNumber)
 {

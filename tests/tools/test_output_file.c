@@ -55,9 +55,9 @@ END_TEST
 
 START_TEST(a_signal_leaves_no_half_written_file)
 {
-    static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
+    static const int signals[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};
     WriteText("a", "old");
-    for (int i = 0; i < 3; ++i)
+    for (size_t i = 0; i < sizeof signals / sizeof signals[0]; ++i)
     {
         fflush(NULL);
         pid_t child = fork();
