@@ -251,7 +251,8 @@ class QC_API qcMeshContact
 
     /// Threads of the queries; 0, the default: one per core.
     void setThreadCount(unsigned threads);
-    /// The method of the queries; qc_methodAuto by default. qc_statusBadInput: `cullide` and `quick`, which miss pairs.
+    /// The method of the queries; qc_methodAuto by default. qc_statusBadInput: `cullide` and `quick`, which miss pairs;
+    /// the method stays as it was, and qcLastMessage has no details.
     qcStatus setMethod(qcMethod method);
     /// The work of the last step. Valid until this object is destroyed; changes with each step.
     const qcMeshContactStatistics& getStatistics() const;
