@@ -39,7 +39,8 @@ extern "C" {
 /// with the headers of another release. O(1). Any thread.
 QC_API uint32_t qcVersion(void);
 
-/// The result of a call. After anything but qc_statusOk all objects are as they were before the call.
+/// The result of a call. After anything but qc_statusOk all objects are as they were before the call. Null pointers are
+/// refused by qc_statusBadInput; functions without a status must not be given any unless their comment allows it.
 typedef enum qcStatus
 {
     /// The call did what it should.

@@ -82,7 +82,7 @@ QC_API qcBoxProfile qcBoxes_GetProfile(const qcBoxes* boxes);
 /// Receives one box of a query, in the caller's floating-point modes. Returns false to stop the query.
 typedef bool qcBoxFunction(uint32_t id, void* userData, void* context);
 
-/// Visits every box that overlaps the closed box. O(log n + found), typically.
+/// Visits every box that overlaps the closed box. Bounds that are NaN count as unbounded. O(log n + found), typically.
 QC_API void qcBoxes_QueryBox(const qcBoxes* boxes, const double lower[3], const double upper[3],
                              qcBoxFunction* function, void* context);
 
@@ -92,7 +92,8 @@ QC_API void qcBoxes_QueryBegun(qcBoxes* boxes, uint32_t id, qcBoxFunction* funct
 
 /// Visits every box that a moving box touches on its way from `from` to `to`. `castLower` and `castUpper` are the
 /// moving box's extents relative to the moving point; zeros cast a ray. No such box is missed; others near the way may
-/// be visited too. Nearer boxes come first, as far as the tree can order them.
+/// be visited too. An axis with a coordinate that is NaN is unbounded. Nearer boxes come first, as far as the tree can
+/// order them.
 ///
 /// `fraction`: the part of the way that is searched, from 0 to 1; null: all of it. The callback may lower it to
 /// shorten the rest of the search.
