@@ -26,6 +26,7 @@ function(qc_add_fracture name glue precision)
   target_include_directories(qc_${name} SYSTEM PRIVATE ${VORO_INCLUDE_DIR})
   target_link_libraries(qc_${name} PUBLIC quickcullide::${glue} PRIVATE ${VORO_LIBRARY} PkgConfig::GLU)
   qc_hide_others(qc_${name})
+  qc_precompile_headers(qc_${name} BulletCollision/CollisionDispatch/btCollisionObject.h)
   install(TARGETS qc_${name} EXPORT quickcullide_${name})
   install(EXPORT quickcullide_${name} NAMESPACE quickcullide:: DESTINATION ${QC_PACKAGE_DIR}
           FILE quickcullide_${name}Targets.cmake)
