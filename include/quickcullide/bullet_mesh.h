@@ -189,8 +189,8 @@ struct qcMeshContactStatistics
 /// A pair outside a step (contactTest, contactPairTest) or with another transform is computed alone.
 ///
 /// Contact points: all that the bodies' motion in the step may bring into contact, as far as Bullet's contact breaking
-/// threshold reaches and, for fine meshes, half an edge of each body, beyond both margins; on planes at any speed.
-/// Contacts that will come within the threshold during the step are created at its beginning, before the bodies
+/// threshold reaches and, for fine meshes, a quarter of an edge of each body, beyond both margins; on planes at any
+/// speed. Contacts that will come within the threshold during the step are created at its beginning, before the bodies
 /// penetrate. Points are grouped by normal. Each of up to four groups has a manifold of its own with the four points
 /// that span it, among them the deepest, or one of the previous step that is at most 5 % of the threshold less deep. A
 /// point near one of the previous step keeps its impulses.
