@@ -31,6 +31,13 @@ btRigidBody* DynamicBody(btCollisionObject* object)
     return body != nullptr && !body->isStaticOrKinematicObject() && body->getInvMass() > 0 ? body : nullptr;
 }
 
+/// True if Bullet has moved the body in this step, by its present velocities.
+bool IsIntegrated(const btRigidBody& body)
+{
+    return body.isActive() && qcAreSame(body.getInterpolationLinearVelocity(), body.getLinearVelocity()) &&
+           qcAreSame(body.getInterpolationAngularVelocity(), body.getAngularVelocity());
+}
+
 bool IsBelow(const btVector3& a, const btVector3& b)
 {
     return a.x() <= b.x() && a.y() <= b.y() && a.z() <= b.z();
@@ -62,11 +69,17 @@ void qcSweptObject::FindBox()
     upper.setMax(upperEnd);
 }
 
-/// Finds the start of a dynamic object: the end of the previous step if the velocities have moved it from there since,
-/// else the application has put it elsewhere, and it starts where the velocities took it from.
+/// Finds the start of a dynamic object: the end of the previous step if the velocities have moved it from there since.
+/// If not, or if it is new, the application has put it elsewhere, and it starts where the velocities took it from.
 void qcSweptObjects::FindStart(btScalar timeStep, qcSweptObject* swept)
 {
     const btVector3 &linear = swept->body->getLinearVelocity(), &angular = swept->body->getAngularVelocity();
+    if (swept->isNew)
+    {
+        if (IsIntegrated(*swept->body))
+            btTransformUtil::integrateTransform(swept->target, linear, angular, -timeStep, swept->start);
+        return;
+    }
     btTransform expected;
     btTransformUtil::integrateTransform(swept->start, linear, angular, timeStep, expected);
     btScalar radius = swept->object->getCollisionShape()->getAngularMotionDisc();
@@ -151,6 +164,9 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
         swept->isLimited = false;
     }
     ReadTargets(scene);
+    for (qcSweptObject* swept : m_sorted)
+        if (!m_isMarked && swept->body != nullptr && (swept->isNew || !qcAreSame(swept->start, swept->target)))
+            FindStart(timeStep, swept);
     bool anyMoved = false;
     for (qcSweptObject* swept : m_sorted)
     {
@@ -159,8 +175,6 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
             !qcIsMotion(swept->object, swept->start, swept->target, swept->motion, timeStep))
             swept->start = swept->target;
         swept->motion = motion;
-        if (!m_isMarked && swept->body != nullptr && !qcAreSame(swept->start, swept->target))
-            FindStart(timeStep, swept);
         swept->carried = swept->start;
         anyMoved = anyMoved || !qcAreSame(swept->start, swept->target);
     }

@@ -331,6 +331,28 @@ START_TEST(a_dynamic_body_that_the_application_moves_is_not_held_back)
 }
 END_TEST
 
+START_TEST(a_new_body_does_not_pass_a_mesh_in_its_first_step)
+{
+    qcModel sheet = SheetModel();
+    qcModel cube = qcBoxModel(btVector3(btScalar(0.1), btScalar(0.1), btScalar(0.1)), 2);
+    for (bool isNewWorld : {true, false})
+    {
+        qcMeshWorld world;
+        qcStepOracle oracle;
+        oracle.Add(sheet, world.Add(world.Keep(sheet.MakeShape()), 0, btVector3(0, 0, 0)));
+        if (!isNewWorld)
+            world.Step();
+        // No box overlaps before the solver adds the fall of the step.
+        btRigidBody* body = world.Add(world.Keep(cube.MakeShape()), 1, btVector3(0, 1, 0));
+        oracle.Add(cube, body);
+        world.world.stepSimulation(btScalar(0.5), 0);
+        ck_assert_int_eq(world.contact.getStatistics().limited, 1);
+        ck_assert_uint_eq(oracle.Count(), 0);
+        ck_assert_double_gt(double(body->getWorldTransform().getOrigin().y()), 0.1);
+    }
+}
+END_TEST
+
 #ifdef QC_BUNNY
 START_TEST(bunnies_thrown_into_a_bin_meet_at_no_moment)
 {
@@ -377,6 +399,7 @@ int main()
     tcase_add_test(tests, what_a_kinematic_mesh_crushes_is_counted);
     tcase_add_test(tests, a_kinematic_mesh_that_is_put_elsewhere_sweeps_over_nothing);
     tcase_add_test(tests, a_dynamic_body_that_the_application_moves_is_not_held_back);
+    tcase_add_test(tests, a_new_body_does_not_pass_a_mesh_in_its_first_step);
 #ifdef QC_BUNNY
     qcAddLoop(tests, bunnies_thrown_into_a_bin_meet_at_no_moment, s_starts);
 #endif
