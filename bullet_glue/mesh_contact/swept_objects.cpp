@@ -101,7 +101,7 @@ qcSweptObject* qcSweptObjects::Add(btCollisionObject* object)
                 for (const qcSweptObject* swept : m_sorted)
                     add(swept->number);
             });
-        entry->start = entry->next = object->getWorldTransform();
+        entry->start = entry->next = entry->last = object->getWorldTransform();
         m_sorted.push_back(entry.get());
     }
     return entry.get();
@@ -155,6 +155,36 @@ bool qcSweptObjects::ReadTargets(qcScene* scene)
     return anyMoved;
 }
 
+/// A new origin of the world moves all objects by one translation, and none against another.
+qcSweptObjects::Shift qcSweptObjects::FindCommonShift() const
+{
+    constexpr btScalar rounding = 8 * SIMD_EPSILON;
+    Shift shift;
+    const qcSweptObject* first = nullptr;
+    for (const qcSweptObject* swept : m_sorted)
+    {
+        if (swept->isNew)
+            continue;
+        const btVector3 &from = swept->last.getOrigin(), &to = swept->start.getOrigin();
+        shift.error = std::max(shift.error, rounding * (from.length() + to.length()));
+        if (first == nullptr && swept->body != nullptr)
+        {
+            first = swept;
+            shift.by = to - from;
+        }
+    }
+    for (const qcSweptObject* swept : m_sorted)
+        if (swept->body != nullptr && !swept->isNew && !shift.IsOf(swept->last, swept->start))
+            return Shift();
+    return shift;
+}
+
+bool qcSweptObjects::Shift::IsOf(const btTransform& from, const btTransform& to) const
+{
+    return by.length() > error && (to.getOrigin() - from.getOrigin() - by).length() <= error &&
+           from.getBasis() == to.getBasis();
+}
+
 bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
 {
     for (qcSweptObject* swept : m_sorted)
@@ -167,12 +197,14 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
     for (qcSweptObject* swept : m_sorted)
         if (!m_isMarked && swept->body != nullptr && (swept->isNew || !qcAreSame(swept->start, swept->target)))
             FindStart(timeStep, swept);
+    const Shift shift = FindCommonShift();
     bool anyMoved = false;
     for (qcSweptObject* swept : m_sorted)
     {
         btVector3 motion = swept->target.getOrigin() - swept->start.getOrigin();
         if (swept->body == nullptr && !qcAreSame(swept->start, swept->target) &&
-            !qcIsMotion(swept->object, swept->start, swept->target, swept->motion, timeStep))
+            (shift.IsOf(swept->start, swept->target) ||
+             !qcIsMotion(swept->object, swept->start, swept->target, swept->motion, timeStep)))
             swept->start = swept->target;
         swept->motion = motion;
         swept->carried = swept->start;
@@ -223,7 +255,7 @@ void qcSweptObjects::RecordEnds()
 {
     for (qcSweptObject* swept : m_sorted)
     {
-        swept->next = swept->object->getWorldTransform();
+        swept->next = swept->last = swept->object->getWorldTransform();
         swept->isNew = false;
     }
 }

@@ -39,6 +39,7 @@ struct qcSweptObject
     btTransform certified;     ///< the end in the last round of certificates
     bool isUnmoved = false;    ///< the end is the one certified
     btTransform next;          ///< where the next step starts
+    btTransform last;          ///< where the previous step ended
     bool isPushed = false;     ///< planes have moved the end
     btScalar fraction = 1;     ///< of the motion from `carried` to the target that the object makes
     btVector3 motion{0, 0, 0}; ///< of the origin in the previous step, for objects that Bullet does not move
@@ -119,6 +120,16 @@ class qcSweptObjects
     }
 
   private:
+    /// A translation of all dynamic objects since the previous step, by the application. Zero: there is none.
+    struct Shift
+    {
+        btVector3 by{0, 0, 0};
+        btScalar error = 0; ///< of a displacement, by rounding
+
+        bool IsOf(const btTransform& from, const btTransform& to) const;
+    };
+
+    Shift FindCommonShift() const;
     qcSweptObject* Add(btCollisionObject* object);
     static void FindStart(btScalar timeStep, qcSweptObject* swept);
     void RemoveGone(qcScene* scene);

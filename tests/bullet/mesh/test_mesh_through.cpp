@@ -353,6 +353,35 @@ START_TEST(a_new_body_does_not_pass_a_mesh_in_its_first_step)
 }
 END_TEST
 
+START_TEST(a_new_origin_of_the_world_moves_no_mesh_against_another)
+{
+    // Waves 4 long: a cube in a trough lies in the way of a floor that is shifted by less than half its size.
+    qcModel waves = qcFloorModel(8, 32);
+    for (size_t i = 0; i < waves.positions.size(); i += 3)
+        waves.positions[i + 1] = -btCos(SIMD_HALF_PI * waves.positions[i]);
+    qcModel cube = qcBoxModel(btVector3(btScalar(0.2), btScalar(0.2), btScalar(0.2)), 2);
+    qcMeshWorld world;
+    world.Add(world.Keep(waves.MakeShape()), 0, btVector3(0, 0, 0));
+    btRigidBody* bodies[2];
+    for (int i = 0; i < 2; i++)
+    {
+        bodies[i] = world.Add(world.Keep(cube.MakeShape()), 1, btVector3(btScalar(4 * i), btScalar(-0.7), 0));
+        bodies[i]->setActivationState(DISABLE_DEACTIVATION);
+    }
+    world.Step(120);
+    btVector3 shift(btScalar(2.3), btScalar(0.1), btScalar(0.7)), places[2];
+    for (int i = 0; i < 2; i++)
+        places[i] = bodies[i]->getWorldTransform().getOrigin() + shift;
+    for (auto& body : world.bodies)
+        body->setWorldTransform(
+            btTransform(body->getWorldTransform().getBasis(), body->getWorldTransform().getOrigin() + shift));
+    world.Step();
+    ck_assert_int_eq(world.contact.getStatistics().limited, 0);
+    for (int i = 0; i < 2; i++)
+        ck_assert_double_lt(double((bodies[i]->getWorldTransform().getOrigin() - places[i]).length()), 1e-3);
+}
+END_TEST
+
 #ifdef QC_BUNNY
 START_TEST(bunnies_thrown_into_a_bin_meet_at_no_moment)
 {
@@ -400,6 +429,7 @@ int main()
     tcase_add_test(tests, a_kinematic_mesh_that_is_put_elsewhere_sweeps_over_nothing);
     tcase_add_test(tests, a_dynamic_body_that_the_application_moves_is_not_held_back);
     tcase_add_test(tests, a_new_body_does_not_pass_a_mesh_in_its_first_step);
+    tcase_add_test(tests, a_new_origin_of_the_world_moves_no_mesh_against_another);
 #ifdef QC_BUNNY
     qcAddLoop(tests, bunnies_thrown_into_a_bin_meet_at_no_moment, s_starts);
 #endif
