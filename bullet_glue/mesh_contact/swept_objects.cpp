@@ -113,7 +113,11 @@ void qcSweptObjects::MarkStarts()
     btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
     for (int i = 0; i < objects.size(); i++)
         if (qcMayHoldMeshes(objects[i]->getCollisionShape()) && DynamicBody(objects[i]) != nullptr)
-            Add(objects[i])->next = objects[i]->getWorldTransform();
+        {
+            qcSweptObject* swept = Add(objects[i]);
+            swept->next = objects[i]->getWorldTransform();
+            swept->wasActive = objects[i]->isActive();
+        }
 }
 
 void qcSweptObjects::RemoveGone(qcScene* scene)
@@ -214,6 +218,17 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
     return anyMoved;
 }
 
+/// True if the application has left a pair out of this step's contact, by a near callback or a dispatcher of its own:
+/// one that overlaps and was not asleep has no algorithm.
+bool qcSweptObjects::IsLeftOut(const qcSweptObject& a, const qcSweptObject& b) const
+{
+    if (!a.wasActive && !b.wasActive)
+        return false;
+    const btBroadphasePair* pair =
+        m_settings.world->getPairCache()->findPair(a.object->getBroadphaseHandle(), b.object->getBroadphaseHandle());
+    return pair != nullptr && pair->m_algorithm == nullptr;
+}
+
 /// True if Bullet would make contact between the two.
 bool qcSweptObjects::Collide(const qcSweptObject& a, const qcSweptObject& b) const
 {
@@ -228,7 +243,7 @@ bool qcSweptObjects::Collide(const qcSweptObject& a, const qcSweptObject& b) con
                                    : (proxyA->m_collisionFilterGroup & proxyB->m_collisionFilterMask) != 0 &&
                                          (proxyB->m_collisionFilterGroup & proxyA->m_collisionFilterMask) != 0;
     return agree && a.object->checkCollideWith(b.object) && b.object->checkCollideWith(a.object) &&
-           world->getDispatcher()->needsResponse(a.object, b.object);
+           world->getDispatcher()->needsResponse(a.object, b.object) && !IsLeftOut(a, b);
 }
 
 void qcSweptObjects::FindPairs(std::vector<qcSweptPair>* pairs)
@@ -256,6 +271,7 @@ void qcSweptObjects::RecordEnds()
     for (qcSweptObject* swept : m_sorted)
     {
         swept->next = swept->last = swept->object->getWorldTransform();
+        swept->wasActive = swept->object->isActive();
         swept->isNew = false;
     }
 }

@@ -31,6 +31,7 @@ struct qcSweptObject
     bool isOurs = false;                 ///< contact of one of its meshes with any other mesh is computed here
     const qcSupportMesh* hull = nullptr; ///< its mesh, if it consists of one small mesh
     bool isNew = true;                   ///< in its first step
+    bool wasActive = false;              ///< a dynamic body that did not sleep when contact was searched
     bool moves = false;                  ///< its end is not its start
     btTransform start, target; ///< before and after the step; the target is Bullet's, or where planes have pushed it
     btTransform carried;       ///< the start, moved by the common motion of its island
@@ -133,6 +134,7 @@ class qcSweptObjects
     qcSweptObject* Add(btCollisionObject* object);
     static void FindStart(btScalar timeStep, qcSweptObject* swept);
     void RemoveGone(qcScene* scene);
+    bool IsLeftOut(const qcSweptObject& a, const qcSweptObject& b) const;
     bool Collide(const qcSweptObject& a, const qcSweptObject& b) const;
 
     const qcBatchSettings& m_settings;

@@ -382,6 +382,55 @@ START_TEST(a_new_origin_of_the_world_moves_no_mesh_against_another)
 }
 END_TEST
 
+START_TEST(what_a_near_callback_leaves_out_is_not_stopped)
+{
+    qcModel sheet = SheetModel();
+    qcModel cube = qcBoxModel(btVector3(btScalar(0.1), btScalar(0.1), btScalar(0.1)), 2);
+    for (int speed : {0, 10, 40})
+    {
+        qcMeshWorld world;
+        world.dispatcher.setNearCallback([](btBroadphasePair&, btCollisionDispatcher&, const btDispatcherInfo&) {});
+        world.Add(world.Keep(sheet.MakeShape()), 0, btVector3(0, 0, 0));
+        btRigidBody* body = world.Add(world.Keep(cube.MakeShape()), 1, btVector3(0, 1, 0));
+        world.Step();
+        body->setLinearVelocity(btVector3(0, btScalar(-speed), 0));
+        for (int i = 0; i < 60; i++)
+        {
+            world.Step();
+            ck_assert_int_eq(world.contact.getStatistics().limited, 0);
+        }
+        ck_assert_double_lt(double(body->getWorldTransform().getOrigin().y()), -2);
+    }
+}
+END_TEST
+
+START_TEST(sleepers_that_never_made_contact_do_not_pass_each_other)
+{
+    // A row of cubes sleeps from the beginning: its pairs have no algorithm when the row is hit.
+    qcModel cube = qcBoxModel(btVector3(btScalar(0.1), btScalar(0.1), btScalar(0.1)), 2);
+    qcMeshWorld world;
+    world.world.setGravity(btVector3(0, 0, 0));
+    qcStepOracle oracle;
+    btCollisionShape* shape = world.Keep(cube.MakeShape());
+    for (int i = 0; i < 4; i++)
+    {
+        btRigidBody* body = world.Add(shape, 1, btVector3(btScalar(0.21 * i), 0, 0));
+        body->forceActivationState(ISLAND_SLEEPING);
+        oracle.Add(cube, body);
+    }
+    btRigidBody* thrown = world.Add(shape, 10, btVector3(btScalar(-0.5), 0, 0));
+    thrown->setLinearVelocity(btVector3(60, 0, 0));
+    oracle.Add(cube, thrown);
+    for (int i = 0; i < 10; i++)
+    {
+        world.Step();
+        ck_assert_int_eq(world.contact.getStatistics().unproven, 0);
+        ck_assert_uint_eq(oracle.Count(), 0);
+    }
+    ck_assert_double_gt(double(world.bodies[3]->getLinearVelocity().x()), 20);
+}
+END_TEST
+
 #ifdef QC_BUNNY
 START_TEST(bunnies_thrown_into_a_bin_meet_at_no_moment)
 {
@@ -430,6 +479,8 @@ int main()
     tcase_add_test(tests, a_dynamic_body_that_the_application_moves_is_not_held_back);
     tcase_add_test(tests, a_new_body_does_not_pass_a_mesh_in_its_first_step);
     tcase_add_test(tests, a_new_origin_of_the_world_moves_no_mesh_against_another);
+    tcase_add_test(tests, what_a_near_callback_leaves_out_is_not_stopped);
+    tcase_add_test(tests, sleepers_that_never_made_contact_do_not_pass_each_other);
 #ifdef QC_BUNNY
     qcAddLoop(tests, bunnies_thrown_into_a_bin_meet_at_no_moment, s_starts);
 #endif
