@@ -1,6 +1,7 @@
 // Registering contact of meshes with a world.
 #include "quickcullide/bullet_mesh.h"
 
+#include "mesh_contact/bounces.h"
 #include "mesh_contact/collision_algorithm.h"
 #include "quickcullide/bullet_debug_draw.h"
 
@@ -80,9 +81,10 @@ struct LimitAction : btActionInterface
     {
     }
 
-    void updateAction(btCollisionWorld*, btScalar timeStep) override
+    void updateAction(btCollisionWorld* world, btScalar timeStep) override
     {
         batch->LimitMotion(timeStep);
+        qcApplyBounces(static_cast<btDynamicsWorld*>(world));
     }
 
     void debugDraw(btIDebugDraw*) override

@@ -173,6 +173,88 @@ START_TEST(velocities_that_are_not_finite_disturb_no_other_body)
 }
 END_TEST
 
+/// The part of a height of fall that a cube rises to after the first impact.
+double RiseAfterFall(qcFloor floor, btScalar height, btScalar restitution)
+{
+    qcMeshWorld world;
+    btScalar margin = qcAddFloor(world, floor);
+    btCollisionShape* shape = world.Keep(qcCubeModel().MakeShape());
+    const btScalar rest = btScalar(0.5) + shape->getMargin() + margin;
+    btRigidBody* cube = world.Add(shape, 1, btVector3(0, rest + height, 0));
+    for (auto& body : world.bodies)
+        body->setRestitution(btSqrt(restitution));
+    for (int i = 0; i < 300 && cube->getLinearVelocity().y() <= 0; i++)
+        world.Step();
+    for (int i = 0; i < 300 && cube->getLinearVelocity().y() > 0; i++)
+        world.Step();
+    return double((cube->getWorldTransform().getOrigin().y() - rest) / height);
+}
+
+START_TEST(a_falling_cube_bounces_on_any_mesh)
+{
+    for (double height : {0.5, 1.0, 2.0, 2.1, 2.2, 5.0})
+    {
+        // The step of the impact adds no gravity to the speed of the bounce, as with Bullet's own contact.
+        double full = RiseAfterFall(qcFloor(_i), btScalar(height), 1);
+        double half = RiseAfterFall(qcFloor(_i), btScalar(height), btScalar(0.5));
+        printf("floor %d, fall of %.1f: a cube bounces to %.0f and %.0f %% of it\n", _i, height, 100 * full,
+               100 * half);
+        ck_assert_double_gt(full, 0.75);
+        ck_assert_double_lt(full, 1.05);
+        ck_assert_double_gt(half, 0.15);
+        ck_assert_double_lt(half, 0.3);
+    }
+}
+END_TEST
+
+START_TEST(meshes_that_meet_in_the_air_exchange_their_velocities)
+{
+    qcMeshWorld world;
+    world.world.setGravity(btVector3(0, 0, 0));
+    btCollisionShape* shape = world.Keep(qcCubeModel().MakeShape());
+    btRigidBody* bodies[2];
+    for (int i = 0; i < 2; i++)
+    {
+        bodies[i] = world.Add(shape, 1, btVector3(btScalar(3 * i), 0, 0));
+        bodies[i]->setRestitution(1);
+    }
+    bodies[0]->setLinearVelocity(btVector3(8, 0, 0));
+    world.Step(60);
+    ck_assert_double_eq_tol(double(bodies[0]->getLinearVelocity().x()), 0, 0.01);
+    ck_assert_double_eq_tol(double(bodies[1]->getLinearVelocity().x()), 8, 0.01);
+}
+END_TEST
+
+START_TEST(bouncing_meshes_gain_no_energy)
+{
+    qcModel room = qcBoxModel(btVector3(3, 3, 3), 2), cube = qcCubeModel(), ball = qcSphereModel(0.5, 2);
+    qcMeshWorld world;
+    world.world.setGravity(btVector3(0, 0, 0));
+    world.Add(world.Keep(room.MakeShape()), 0, btVector3(0, 0, 0));
+    for (int i = 0; i < 8; i++)
+    {
+        btVector3 place(btScalar(i & 1 ? 1.2 : -1.2), btScalar(i & 2 ? 1.2 : -1.2), btScalar(i & 4 ? 1.2 : -1.2));
+        btTransform turned(btQuaternion(btVector3(1, btScalar(0.2), 0).normalized(), btScalar(i)), place);
+        btRigidBody* body = world.Add(world.Keep((i % 3 == 0 ? cube : ball).MakeShape()), 10, turned);
+        body->setLinearVelocity(btVector3(btScalar(5 - 1.4 * i), btScalar(3 - i), btScalar(4 - 0.9 * i)));
+        body->setActivationState(DISABLE_DEACTIVATION);
+    }
+    for (auto& body : world.bodies)
+    {
+        body->setRestitution(1);
+        body->setFriction(0);
+    }
+    const double before = world.KineticEnergy();
+    for (int i = 0; i < 300; i++)
+    {
+        world.Step();
+        ck_assert_double_lt(world.KineticEnergy(), before * (1 + 1e-3));
+    }
+    printf("energy after 300 steps with restitution 1: %.0f %%\n", 100 * world.KineticEnergy() / before);
+    ck_assert_double_gt(world.KineticEnergy(), before / 4);
+}
+END_TEST
+
 #ifdef QC_BUNNY
 /// Throws five bunnies into a bin at 6 m/s. Returns their places after two seconds.
 std::vector<btTransform> ThrowBunnies(const qcModel& model, btScalar aside, double* deepest)
@@ -232,6 +314,9 @@ int main()
     TCase* tests = tcase_create("mesh_ahead");
     tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
     qcAddLoop(tests, a_fast_cube_is_stopped_on_any_mesh_not_in_it, qc_floorPlane);
+    qcAddLoop(tests, a_falling_cube_bounces_on_any_mesh, qc_floorCount);
+    tcase_add_test(tests, meshes_that_meet_in_the_air_exchange_their_velocities);
+    tcase_add_test(tests, bouncing_meshes_gain_no_energy);
     tcase_add_test(tests, bodies_that_fall_side_by_side_are_not_sampled);
     tcase_add_test(tests, a_falling_column_is_stopped_from_its_foot_to_its_head);
     tcase_add_test(tests, the_end_of_a_spinning_bar_does_not_pass_through_a_post);
