@@ -104,15 +104,19 @@ bool ChooseNext(const Members& members, btScalar contactDistance, btScalar minSp
     return best != nullptr;
 }
 
-/// True if the first of four points lies within the triangle of the others and is hardly deeper: they carry it.
+/// True if the first of four points lies within the triangle of the others and is hardly deeper, now and at the end of
+/// the step: they carry it.
 bool IsFirstCarried(const qcPointGroup& group, const btVector3& normal, btScalar contactDistance)
 {
     const qcMeshPoint* const* points = group.points;
     const qcPointGroup others{3, {points[1], points[2], points[3]}};
+    const qcMeshPoint& first = *points[0];
     auto carries = [&](const qcMeshPoint* point)
     {
         return EffectiveDistance(*point, contactDistance) <=
-               EffectiveDistance(*points[0], contactDistance) + s_hardlyDeeper * contactDistance;
+                   EffectiveDistance(first, contactDistance) + s_hardlyDeeper * contactDistance &&
+               (first.distance <= contactDistance ||
+                point->endDistance <= first.endDistance + s_hardlyDeeper * contactDistance);
     };
     return ExtentOf(others, normal, points[0]->onB) <= 0 && std::all_of(points + 1, points + 4, carries);
 }
@@ -137,9 +141,11 @@ void ChoosePoints(const Members& members, btScalar contactDistance, btScalar min
 int qcGroupPoints(std::vector<qcMeshPoint>* points, btScalar contactDistance, btScalar minSpacing, int maxGroups,
                   qcPointGroup* groups)
 {
+    // Points that are reached within the step have equal ranks: the deepest at its end is the first.
+    auto rank = [contactDistance](const qcMeshPoint& point)
+    { return std::make_pair(EffectiveDistance(point, contactDistance), point.endDistance); };
     std::stable_sort(points->begin(), points->end(),
-                     [contactDistance](const qcMeshPoint& a, const qcMeshPoint& b)
-                     { return EffectiveDistance(a, contactDistance) < EffectiveDistance(b, contactDistance); });
+                     [rank](const qcMeshPoint& a, const qcMeshPoint& b) { return rank(a) < rank(b); });
     std::vector<Members> members;
     for (const qcMeshPoint& point : *points)
     {

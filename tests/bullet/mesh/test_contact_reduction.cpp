@@ -57,6 +57,24 @@ START_TEST(a_deep_point_is_kept_wherever_it_is)
 }
 END_TEST
 
+START_TEST(the_first_point_that_a_fast_body_reaches_is_kept)
+{
+    // The foot of a ball that falls by 0.1 in the step, between rings of points that it reaches, too.
+    std::vector<qcMeshPoint> points;
+    for (btScalar ring : {btScalar(0.2), btScalar(0.1), btScalar(0)})
+        for (int quarter = 0; quarter < 4; quarter++)
+        {
+            btScalar angle = SIMD_HALF_PI * btScalar(quarter);
+            points.push_back(PointAt(ring * btCos(angle), ring * btSin(angle), btScalar(0.05) + ring * ring));
+        }
+    for (qcMeshPoint& point : points)
+        point.endDistance = point.distance - btScalar(0.1);
+    qcPointGroup group;
+    ck_assert_int_eq(qcGroupPoints(&points, s_contactDistance, s_minSpacing, 1, &group), 1);
+    ck_assert_double_eq_tol(double(group.points[0]->distance), 0.05, 1e-6);
+}
+END_TEST
+
 START_TEST(a_wide_point_at_the_contact_distance_does_not_replace_one_that_carries)
 {
     // Three points carry; a fourth one is near them, another one far away, but hardly in contact.
@@ -92,6 +110,6 @@ START_TEST(points_of_the_previous_step_are_preferred_to_equal_ones)
 END_TEST
 
 QC_RUN_TESTS("contact reduction", four_corners_carry_a_body_and_not_three_and_a_middle_that_is_hardly_deeper,
-             a_deep_point_is_kept_wherever_it_is,
+             a_deep_point_is_kept_wherever_it_is, the_first_point_that_a_fast_body_reaches_is_kept,
              a_wide_point_at_the_contact_distance_does_not_replace_one_that_carries,
              points_of_the_previous_step_are_preferred_to_equal_ones)
