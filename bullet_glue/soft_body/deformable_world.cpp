@@ -18,7 +18,7 @@ void MoveNodes(const qcSceneSoftBody& soft, btScalar timeStep)
         [&](int i)
         {
             btSoftBody::Node& node = soft.body->m_nodes[i];
-            node.m_v += soft.MotionOf(size_t(i), node.m_x) / timeStep;
+            node.m_v += soft.VelocityMotionOf(size_t(i), node.m_x) / timeStep;
             node.m_vn = node.m_v;
             node.m_q = node.m_x = soft.positions[size_t(i)];
             moved = true;

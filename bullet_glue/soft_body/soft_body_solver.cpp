@@ -3,8 +3,8 @@
 
 namespace
 {
-/// Writes the positions of the nodes that contacts moved, with the velocity that leads there from the start of the
-/// step: btSoftBody::solveConstraints sets velocities in this way.
+/// Writes the positions of the nodes that contacts moved, with the velocity that leads there from where Bullet's step
+/// started: btSoftBody::solveConstraints sets velocities in this way.
 void MoveNodes(const qcSceneSoftBody& soft)
 {
     const btScalar perDistance = soft.body->m_sst.isdt * (1 - soft.body->m_cfg.kDP);
@@ -13,7 +13,10 @@ void MoveNodes(const qcSceneSoftBody& soft)
         {
             btSoftBody::Node& node = soft.body->m_nodes[i];
             node.m_x = soft.positions[size_t(i)];
-            node.m_v = soft.MotionOf(size_t(i), soft.start[size_t(i)]) * perDistance;
+            const btVector3& start = soft.start[size_t(i)];
+            node.m_v =
+                soft.VelocityMotionOf(size_t(i), soft.applied.empty() ? start : start + soft.applied[size_t(i)]) *
+                perDistance;
         });
 }
 } // namespace

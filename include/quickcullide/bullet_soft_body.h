@@ -100,7 +100,7 @@ struct qcSoftBodyStatistics
 /// positions are worked apart as soon as they penetrate.
 ///
 /// Time: a step starts where the previous one ended. A node or an object that the application moves in between moves
-/// within the step; one that is put elsewhere, by more than half its size, starts there.
+/// within the step; one that is put elsewhere, by more than half its size, starts there. Nodes get no velocity from it.
 ///
 /// Rigid bodies: a soft body collides with each qcMeshShape, and with the surfaces of Bullet's own shapes as triangles;
 /// static, kinematic or moving, also in compounds; unless its collision flags have none of fCollision::RVSmask. Both

@@ -51,6 +51,13 @@ btScalar SquaredWeights(const qcHeldContact& contact)
     return sum;
 }
 
+/// True if the application has moved one of the contact's nodes since: Bullet would take that for a velocity.
+bool IsApplied(const qcSceneSoftBody& soft, const qcHeldContact& contact)
+{
+    return !soft.applied.empty() && std::any_of(contact.nodes, contact.nodes + contact.count,
+                                                [&](uint32_t node) { return !soft.applied[node].isZero(); });
+}
+
 btVector3 StartOf(const qcSceneSoftBody& soft, const qcHeldContact& contact)
 {
     btVector3 sum(0, 0, 0);
@@ -130,7 +137,8 @@ void qcHeldContacts::Insert(qcSoftBodyScene& scene)
         qcLiveObjects present(broadphase, proxy->m_aabbMin, proxy->m_aabbMax);
         for (const qcHeldContact& held : soft.heldContacts)
         {
-            if (!std::binary_search(scene.liveObjects.begin(), scene.liveObjects.end(), held.object, IsLess) ||
+            if (IsApplied(soft, held) ||
+                !std::binary_search(scene.liveObjects.begin(), scene.liveObjects.end(), held.object, IsLess) ||
                 !present.Contains(held.object.object, held.object.uniqueId))
                 continue;
             const btTransform& now = held.object.object->getWorldTransform();

@@ -41,9 +41,11 @@ void FindAnchors(qcSceneSoftBody& tracked)
                                      body.m_deformableAnchors[i].m_cti.m_colObj);
 }
 
-/// True if no node is further from the end of the previous step than half the size that the body had there.
-bool IsNearEnd(const qcSceneSoftBody& tracked, btVector3 btSoftBody::Node::*start)
+/// Reads how far the application has moved the nodes since the end of the previous step. False: the body starts
+/// elsewhere, since a node is further from there than half the size that the body had.
+bool ReadApplied(qcSceneSoftBody& tracked, btVector3 btSoftBody::Node::*start)
 {
+    tracked.applied.clear();
     if (!tracked.hasEnd || tracked.positions.size() != size_t(tracked.NodeCount()) || tracked.positions.empty())
         return false;
     const btAlignedObjectArray<btSoftBody::Node>& nodes = tracked.body->m_nodes;
@@ -58,9 +60,13 @@ bool IsNearEnd(const qcSceneSoftBody& tracked, btVector3 btSoftBody::Node::*star
     {
         lower.setMin(tracked.positions[i]);
         upper.setMax(tracked.positions[i]);
-        largest = std::max(largest, tracked.positions[i].distance2(nodes[int(i)].*start));
+        tracked.applied.push_back(nodes[int(i)].*start - tracked.positions[i]);
+        largest = std::max(largest, tracked.applied[i].length2());
     }
-    return 4 * largest <= (upper - lower).length2();
+    if (4 * largest <= (upper - lower).length2())
+        return true;
+    tracked.applied.clear();
+    return false;
 }
 
 /// Reads the positions after Bullet's own solvers, and finds the box of the motion from the start of the step.
@@ -96,6 +102,16 @@ bool qcCollidesWithSurfaces(const btSoftBody* body, const qcSoftBodySettings& se
     const int flags = body->m_cfg.collisions;
     return (flags & Collision::RVSmask) != 0 && (flags & Collision::CL_RS) == 0 && !settings.bulletNodeContacts &&
            !body->m_reducedModel;
+}
+
+btVector3 qcSceneSoftBody::VelocityMotionOf(size_t node, const btVector3& from) const
+{
+    const btVector3 motion = MotionOf(node, from);
+    const btScalar length2 = applied.empty() ? btScalar(0) : applied[node].length2();
+    if (!(length2 > 0))
+        return motion;
+    const btScalar taken = -applied[node].dot(MotionOf(node, solved[node])) / length2;
+    return motion + applied[node] * std::min(std::max(taken, btScalar(0)), btScalar(1));
 }
 
 bool qcSceneSoftBody::FindMotionBox(btScalar reach, btVector3 box[2]) const
@@ -216,7 +232,7 @@ void qcSoftBodyScene::ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::
     ApplySettings(tracked);
     // A body that Bullet does not simulate stays where it is.
     auto member = tracked.moves ? start : &btSoftBody::Node::m_x;
-    bool isNearEnd = IsNearEnd(tracked, member);
+    bool isNearEnd = ReadApplied(tracked, member);
     tracked.start.resize(size_t(tracked.NodeCount()));
     for (int n = 0; n < tracked.NodeCount() && !isNearEnd; n++)
         tracked.start[size_t(n)] = tracked.body->m_nodes[n].*member;

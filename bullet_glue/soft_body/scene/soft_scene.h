@@ -47,6 +47,8 @@ struct qcSceneSoftBody
     /// moves between two steps don't jump through anything. A body that it moves by more than half its size is put
     /// elsewhere, and starts there.
     std::vector<btVector3> start;
+    /// How far the application has moved the nodes since the previous step; empty: none, or the body starts elsewhere.
+    std::vector<btVector3> applied;
     std::vector<btVector3> solved;    ///< after Bullet's own solvers
     btVector3 solvedBox[2];           ///< around `start` and `solved`
     bool hasSolvedBox = false;        ///< there are nodes, and all are finite
@@ -80,6 +82,9 @@ struct qcSceneSoftBody
     {
         return positions[node] - from - (shifts.empty() ? btVector3(0, 0, 0) : shifts[node]);
     }
+    /// The motion that gives a node its velocity: without the shift, and without what contacts have taken back of the
+    /// application's motion.
+    btVector3 VelocityMotionOf(size_t node, const btVector3& from) const;
     /// Calls function(node index) for each node that contacts moved.
     template <typename Function> void ForEachMoved(Function function) const
     {

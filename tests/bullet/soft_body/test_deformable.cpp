@@ -349,6 +349,18 @@ START_TEST(two_runs_agree_bit_by_bit)
     ck_assert_uint_eq(qcGetByteCount(), 0);
 }
 END_TEST
+
+START_TEST(a_sheet_at_rest_that_the_application_moves_into_the_floor_stays_at_rest)
+{
+    World<qcDeformableWorld> world;
+    btSoftBody* sheet = world.AddSheet(btScalar(0.03), 0, 10);
+    world.StepApart(120);
+    sheet->translate(btVector3(0, btScalar(-0.3), 0));
+    world.StepApart(20);
+    ck_assert_double_lt(double(qcSpeedOf(sheet)), 0.01);
+    ck_assert_double_gt(double(qcLowestNode(sheet)), 0);
+}
+END_TEST
 } // namespace
 
 QC_RUN_TESTS("deformable", a_folded_deformable_cloth_comes_to_rest_untangled,
@@ -357,4 +369,4 @@ QC_RUN_TESTS("deformable", a_folded_deformable_cloth_comes_to_rest_untangled,
              sheets_fall_on_each_other_and_stay_apart, momentum_is_kept_between_two_cloths,
              a_deformable_cloth_rests_on_a_mesh_and_pushes_one, an_anchored_node_stays_at_its_anchor,
              contacts_stand_in_manifolds_until_the_next_step, a_node_that_is_not_finite_is_named_and_nothing_crashes,
-             two_runs_agree_bit_by_bit)
+             two_runs_agree_bit_by_bit, a_sheet_at_rest_that_the_application_moves_into_the_floor_stays_at_rest)

@@ -8,6 +8,7 @@
 
 // After the standard headers: check defines a macro named fail.
 #include "bullet/soft_body/motion_oracle.h"
+#include "bullet/soft_body/soft_models.h"
 
 namespace
 {
@@ -203,6 +204,33 @@ START_TEST(a_body_that_the_pre_tick_callback_puts_elsewhere_sweeps_over_nothing)
 }
 END_TEST
 
+START_TEST(a_cloth_at_rest_that_the_application_moves_stays_at_rest)
+{
+    qcSoftWorld world;
+    world.AddMesh(qcFloorModel(4, 8), 0, btVector3(0, 0, 0));
+    btSoftBody* cloth = btSoftBodyHelpers::CreatePatch(
+        world.world.getWorldInfo(), btVector3(-1, btScalar(0.05), -1), btVector3(1, btScalar(0.05), -1),
+        btVector3(-1, btScalar(0.05), 1), btVector3(1, btScalar(0.05), 1), 17, 17, 0, true);
+    cloth->setTotalMass(1);
+    cloth->m_cfg.piterations = 4;
+    world.world.addSoftBody(cloth);
+    world.cloths.push_back(cloth);
+    for (int step = 0; step < 60; step++)
+        world.world.stepSimulation(s_step, 0);
+    // Along the floor, and into it.
+    for (const btVector3& by : {btVector3(btScalar(0.3), 0, 0), btVector3(0, btScalar(-0.3), 0)})
+    {
+        cloth->translate(by);
+        for (int step = 0; step < 5; step++)
+            world.world.stepSimulation(s_step, 0);
+        ck_assert_double_lt(double(qcSpeedOf(cloth)), 0.01);
+        ck_assert_double_gt(double(qcLowestNode(cloth)), 0);
+    }
+    // The motion along the floor remains.
+    ck_assert_double_eq_tol(double(cloth->m_nodes[17 * 8 + 8].m_x.x()), 0.3, 0.01);
+}
+END_TEST
+
 /// Removes the body in the world's user data, which no one else then moves.
 static void Remove(btDynamicsWorld* world, btScalar)
 {
@@ -246,6 +274,7 @@ int main()
     tcase_add_loop_test(tests, a_ball_that_moves_by_more_than_its_size_is_no_less_in_motion, 0, KindCount);
     tcase_add_loop_test(tests, an_object_that_is_put_elsewhere_sweeps_over_nothing, 0, KindCount);
     tcase_add_test(tests, a_body_that_the_pre_tick_callback_puts_elsewhere_sweeps_over_nothing);
+    tcase_add_test(tests, a_cloth_at_rest_that_the_application_moves_stays_at_rest);
     tcase_add_test(tests, a_body_that_the_tick_callback_removes_holds_nothing);
     suite_add_tcase(suite, tests);
     return qcRunSuite(suite);
