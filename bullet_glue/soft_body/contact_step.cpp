@@ -6,6 +6,7 @@
 #include "common/shape_triangles.h"
 #include "common/stopwatch.h"
 #include "quickcullide/bullet_debug_draw.h"
+#include "soft_body/response/lying_starts.h"
 #include "soft_body/response/node_ccd.h"
 #include "soft_body/response/untangle.h"
 
@@ -234,6 +235,16 @@ qcStatus qcSoftBodyContact::Implementation::ReadEnd()
 
 //  ---- stages, in their order --------------------------------------------------------------------------------------
 
+/// Starts soft bodies that were put exactly on a rigid surface just off it.
+qcStatus qcSoftBodyContact::Implementation::LiftStarts()
+{
+    const btScalar distance = qcLyingDistance(scene);
+    if (distance <= 0)
+        return qc_statusOk;
+    qcStatus status = scene.DetectWithin(distance, &m_result);
+    return status == qc_statusOk && qcLiftStarts(scene, *m_result) ? scene.SyncStartPositions() : status;
+}
+
 /// Finds the tangles: pairs that penetrate at the start of the step. If the step starts where the previous one ended,
 /// its last result has them already.
 qcStatus qcSoftBodyContact::Implementation::FindTangles()
@@ -244,6 +255,8 @@ qcStatus qcSoftBodyContact::Implementation::FindTangles()
         return qc_statusOk;
     double begin = qcNowMs();
     qcStatus status = scene.SyncStartPositions();
+    if (status == qc_statusOk)
+        status = LiftStarts();
     if (status == qc_statusOk)
         status = scene.Detect(0, &m_result);
     if (status == qc_statusOk)

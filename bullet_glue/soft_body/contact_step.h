@@ -54,6 +54,7 @@ struct qcSoftBodyContact::Implementation
     qcStatus DetectEnd();
     void AddProfile();
     void SolveConstraints();
+    qcStatus LiftStarts();
     qcStatus FindTangles();
     qcStatus MarkStart();
     bool IsContinuous(const qcPair& pair);

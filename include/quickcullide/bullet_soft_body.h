@@ -97,7 +97,8 @@ struct qcSoftBodyStatistics
 /// Motion that tangles further ends as in an inelastic contact. Links that untangling compresses give nodes some
 /// velocity. Away from the curve nothing passes. A body that is inside of a closed one as a whole has no curve and
 /// stays. Triangles that touch at the start, without penetration, are kept apart; surfaces that cross exactly in common
-/// positions are worked apart as soon as they penetrate.
+/// positions are worked apart as soon as they penetrate. A body that is put into the plane of a rigid triangle, up to
+/// rounding, starts on the side from which the triangle's corners run counter-clockwise.
 ///
 /// Time: a step starts where the previous one ended. A node or an object that the application moves in between moves
 /// within the step; one that is put elsewhere, by more than half its size, starts there. Nodes get no velocity from it.

@@ -238,6 +238,7 @@ void qcSoftBodyScene::ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::
         tracked.start[size_t(n)] = tracked.body->m_nodes[n].*member;
     if (isNearEnd)
         tracked.start = tracked.positions;
+    tracked.startsElsewhere = !isNearEnd;
     tracked.startsWhereItEnded = tracked.startsWhereItEnded && isNearEnd;
     FindPinned(tracked);
     FindAnchors(tracked);

@@ -43,6 +43,7 @@ struct qcSceneSoftBody
     bool moves = true;               ///< false: Bullet does not simulate it at present, and contacts don't move it
     bool startsWhereItEnded = false; ///< its state is that of the end of the previous step
     bool hasEnd = false;             ///< `positions` are those of the end of the previous step
+    bool startsElsewhere = true;     ///< it is new, or was put elsewhere since
     /// Node positions at the start of the step: where the previous step left them, so that nodes that the application
     /// moves between two steps don't jump through anything. A body that it moves by more than half its size is put
     /// elsewhere, and starts there.

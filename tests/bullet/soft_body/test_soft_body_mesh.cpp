@@ -410,6 +410,38 @@ START_TEST(meshes_may_change_and_be_removed_between_two_steps)
 }
 END_TEST
 
+/// A cloth in the plane of a floor that starts at height 0 of a frame.
+static void CheckStaysOn(btCollisionShape* shape, btScalar height, const btTransform& frame)
+{
+    World world;
+    world.AddCloth(0, 10);
+    world.cloth->transform(frame);
+    btRigidBody* floor = world.AddBody(shape, 0, btVector3(0, 0, 0));
+    floor->setWorldTransform(frame * btTransform(btQuaternion::getIdentity(), btVector3(0, height, 0)));
+    floor->setFriction(1);
+    world.StepApart(60);
+    btScalar lowest = BT_LARGE_FLOAT;
+    for (int i = 0; i < world.cloth->m_nodes.size(); i++)
+        lowest = std::min(lowest, (frame.inverse() * world.cloth->m_nodes[i].m_x).y());
+    ck_assert_double_gt(double(lowest), 0.005);
+    ck_assert_double_lt(double(qcSpeedOf(world.cloth)), 0.1);
+}
+
+START_TEST(a_cloth_that_is_put_exactly_on_a_floor_stays_on_it)
+{
+    std::unique_ptr<qcMeshShape> mesh = qcFloorModel(2, 8).MakeShape();
+    btBoxShape box(btVector3(2, 1, 2));
+    btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
+    for (btScalar angle : {btScalar(0), btScalar(0.1)})
+    {
+        const btTransform frame(btQuaternion(btVector3(1, 0, 0), angle), btVector3(1, 2, btScalar(0.3)));
+        CheckStaysOn(mesh.get(), 0, frame);
+        CheckStaysOn(&box, -1, frame);
+        CheckStaysOn(&plane, 0, frame);
+    }
+}
+END_TEST
+
 START_TEST(two_runs_agree_bit_by_bit)
 {
     std::vector<btVector3> expected;
@@ -443,4 +475,5 @@ QC_RUN_TESTS("soft body on mesh", a_cloth_comes_to_rest_on_a_mesh_without_penetr
              pairs_that_bullet_filters_out_have_no_contact, contacts_with_a_mesh_stand_in_manifolds,
              a_mesh_that_sleeps_is_woken_and_moves,
              a_transform_that_is_not_finite_is_refused_and_bullets_positions_remain,
-             meshes_may_change_and_be_removed_between_two_steps, two_runs_agree_bit_by_bit)
+             meshes_may_change_and_be_removed_between_two_steps, a_cloth_that_is_put_exactly_on_a_floor_stays_on_it,
+             two_runs_agree_bit_by_bit)
