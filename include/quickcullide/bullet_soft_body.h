@@ -131,6 +131,7 @@ struct qcSoftBodyStatistics
 /// with meshes and faces of soft bodies as points.
 ///
 /// Bodies that Bullet doesn't simulate at present (isActive() is false) don't move; others are kept away from them.
+/// One that sleeps wakes in the step in which an object that the application moves comes to its box.
 ///
 /// Manifolds: after a step its contacts, as they were before the response, are in manifolds of the world's dispatcher,
 /// four points each, until the next step begins. Body 0 is soft; body 1 is another soft body, the same one

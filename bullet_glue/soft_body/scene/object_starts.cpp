@@ -45,6 +45,18 @@ void ForEachObject(const std::set<btBroadphaseInterface*>& broadphases, const Fu
 }
 } // namespace
 
+/// The object, with the box of its motion from a transform to its present one.
+qcObjectStarts::Moved qcObjectStarts::MakeMoved(btCollisionObject* object, const btTransform& from)
+{
+    Moved moved{object, {}, {}};
+    btVector3 lower, upper;
+    object->getCollisionShape()->getAabb(from, moved.lower, moved.upper);
+    object->getCollisionShape()->getAabb(object->getWorldTransform(), lower, upper);
+    moved.lower.setMin(lower);
+    moved.upper.setMax(upper);
+    return moved;
+}
+
 void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep)
 {
     auto [found, isNew] = m_states.emplace(qcObjectKey(object), State());
@@ -69,13 +81,7 @@ void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep)
     state.end = now;
     if (qcAreSame(state.start, now))
         return;
-    Moved moved{object, {}, {}};
-    btVector3 lower, upper;
-    object->getCollisionShape()->getAabb(state.start, moved.lower, moved.upper);
-    object->getCollisionShape()->getAabb(now, lower, upper);
-    moved.lower.setMin(lower);
-    moved.upper.setMax(upper);
-    m_moved.push_back(moved);
+    m_moved.push_back(MakeMoved(object, state.start));
 }
 
 void qcObjectStarts::Begin(const std::set<btBroadphaseInterface*>& broadphases)
@@ -106,6 +112,21 @@ void qcObjectStarts::Read(const std::set<btBroadphaseInterface*>& broadphases, b
                   });
     for (auto state = m_states.begin(); m_count < m_states.size() && state != m_states.end();)
         state = state->second.step != m_step ? m_states.erase(state) : std::next(state);
+}
+
+void qcObjectStarts::ForEachPlaced(const std::set<btBroadphaseInterface*>& broadphases,
+                                   const BoxFunction& function) const
+{
+    ForEachObject(broadphases,
+                  [&](btCollisionObject* object, btBroadphaseInterface*)
+                  {
+                      auto found = m_states.find(qcObjectKey(object));
+                      if (IsDynamic(object) || found == m_states.end() ||
+                          qcAreSame(found->second.end, object->getWorldTransform()))
+                          return;
+                      const Moved moved = MakeMoved(object, found->second.end);
+                      function(moved.lower, moved.upper);
+                  });
 }
 
 const btTransform& qcObjectStarts::StartOf(const btCollisionObject* object) const

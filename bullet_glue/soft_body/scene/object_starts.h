@@ -8,6 +8,7 @@
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
 #include <LinearMath/btAabbUtil2.h>
 
+#include <functional>
 #include <set>
 #include <unordered_map>
 #include <vector>
@@ -20,6 +21,10 @@ class qcObjectStarts
     /// Reads the objects of the step, after Bullet has moved them. Objects that have left the broadphases are
     /// forgotten. O(objects).
     void Read(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep);
+    using BoxFunction = std::function<void(const btVector3&, const btVector3&)>;
+    /// Calls function(lower, upper) for the motion of each object that the application has moved since the previous
+    /// step and Bullet does not move. O(objects).
+    void ForEachPlaced(const std::set<btBroadphaseInterface*>& broadphases, const BoxFunction& function) const;
     /// The object's transform at the start of the step: where the previous one left it, unless it was put elsewhere
     /// since. Read has seen it.
     const btTransform& StartOf(const btCollisionObject* object) const;
@@ -62,6 +67,7 @@ class qcObjectStarts
         btVector3 lower, upper;
     };
 
+    static Moved MakeMoved(btCollisionObject* object, const btTransform& from);
     void ReadObject(btCollisionObject* object, btScalar timeStep);
 
     std::unordered_map<qcObjectKey, State, qcObjectKeyHash> m_states;

@@ -95,6 +95,12 @@ class qcSoftBodyMeshes
     {
         m_starts.Begin(broadphases);
     }
+    /// See qcObjectStarts.
+    void ForEachPlaced(const std::set<btBroadphaseInterface*>& broadphases,
+                       const qcObjectStarts::BoxFunction& function) const
+    {
+        m_starts.ForEachPlaced(broadphases, function);
+    }
     /// Reads where all objects start and end the step. Call it before CollectOverlapping.
     void ReadMotions(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep);
     /// Collects the objects with meshes whose proxies or motions over the step overlap this box, for the next Sync.

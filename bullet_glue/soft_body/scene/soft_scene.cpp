@@ -265,6 +265,30 @@ void qcSoftBodyScene::BeginStep(const btAlignedObjectArray<btSoftBody*>& bodies)
         if (bodies[i]->getWorldInfo()->m_broadphase != nullptr)
             broadphases.insert(bodies[i]->getWorldInfo()->m_broadphase);
     meshes.BeginStep(broadphases);
+    WakeSwept(bodies, broadphases);
+}
+
+/// Wakes soft bodies near objects that the application moves. Bullet lets such objects run through those that sleep.
+void qcSoftBodyScene::WakeSwept(const btAlignedObjectArray<btSoftBody*>& bodies,
+                                const std::set<btBroadphaseInterface*>& broadphases)
+{
+    std::vector<btSoftBody*> asleep;
+    for (int i = 0; i < bodies.size(); i++)
+        if (bodies[i]->getActivationState() == ISLAND_SLEEPING)
+            asleep.push_back(bodies[i]);
+    if (asleep.empty())
+        return;
+    meshes.ForEachPlaced(broadphases,
+                         [&asleep](const btVector3& lower, const btVector3& upper)
+                         {
+                             for (btSoftBody* body : asleep)
+                             {
+                                 btVector3 box[2];
+                                 body->getAabb(box[0], box[1]);
+                                 if (TestAabbAgainstAabb2(box[0], box[1], lower, upper))
+                                     body->activate();
+                             }
+                         });
 }
 
 qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start)

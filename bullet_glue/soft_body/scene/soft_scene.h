@@ -204,6 +204,8 @@ class qcSoftBodyScene
         qcSoftBodySettings settings;
     };
 
+    void WakeSwept(const btAlignedObjectArray<btSoftBody*>& bodies,
+                   const std::set<btBroadphaseInterface*>& broadphases);
     qcStatus CreateScene();
     qcStatus Track(btSoftBody* body);
     void UntrackRemoved(const btAlignedObjectArray<btSoftBody*>& bodies);

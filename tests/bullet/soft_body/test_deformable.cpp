@@ -361,6 +361,28 @@ START_TEST(a_sheet_at_rest_that_the_application_moves_into_the_floor_stays_at_re
     ck_assert_double_gt(double(qcLowestNode(sheet)), 0);
 }
 END_TEST
+
+START_TEST(a_moving_plate_wakes_a_sleeping_sheet_and_takes_it_along)
+{
+    World<qcDeformableWorld> world(btVector3(0, 0, 0));
+    btSoftBody* sheet = world.AddSheet(btScalar(0.5), 0, 10);
+    world.StepApart(600);
+    ck_assert(!sheet->isActive());
+    std::unique_ptr<qcMeshShape> shape = qcFloorModel(0.3, 2).MakeShape();
+    btRigidBody plate(0, nullptr, shape.get());
+    plate.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+    plate.setActivationState(DISABLE_DEACTIVATION);
+    world.world->addRigidBody(&plate);
+    for (btScalar y : {btScalar(0.2), btScalar(0.35), btScalar(0.55), btScalar(0.75)})
+    {
+        plate.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, y, 0)));
+        world.StepApart(1);
+        ck_assert_int_eq(world.world->getStatistics().unproven, 0);
+    }
+    ck_assert_double_gt(double(sheet->m_nodes[11 * 5 + 5].m_x.y()), 0.75);
+    world.world->removeRigidBody(&plate);
+}
+END_TEST
 } // namespace
 
 QC_RUN_TESTS("deformable", a_folded_deformable_cloth_comes_to_rest_untangled,
@@ -369,4 +391,5 @@ QC_RUN_TESTS("deformable", a_folded_deformable_cloth_comes_to_rest_untangled,
              sheets_fall_on_each_other_and_stay_apart, momentum_is_kept_between_two_cloths,
              a_deformable_cloth_rests_on_a_mesh_and_pushes_one, an_anchored_node_stays_at_its_anchor,
              contacts_stand_in_manifolds_until_the_next_step, a_node_that_is_not_finite_is_named_and_nothing_crashes,
-             two_runs_agree_bit_by_bit, a_sheet_at_rest_that_the_application_moves_into_the_floor_stays_at_rest)
+             two_runs_agree_bit_by_bit, a_sheet_at_rest_that_the_application_moves_into_the_floor_stays_at_rest,
+             a_moving_plate_wakes_a_sleeping_sheet_and_takes_it_along)
