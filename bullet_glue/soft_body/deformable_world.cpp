@@ -23,8 +23,13 @@ void MoveNodes(const qcSceneSoftBody& soft, btScalar timeStep)
             node.m_q = node.m_x = soft.positions[size_t(i)];
             moved = true;
         });
-    if (moved)
-        soft.body->interpolateRenderMesh();
+    if (!moved)
+        return;
+    soft.body->interpolateRenderMesh();
+    // Bullet puts a body to sleep by its speed, which it has read before contacts took that of gravity.
+    soft.body->m_maxSpeedSquared = 0;
+    for (int i = 0; i < soft.body->m_nodes.size(); i++)
+        soft.body->m_maxSpeedSquared = btMax(soft.body->m_maxSpeedSquared, soft.body->m_nodes[i].m_v.length2());
 }
 } // namespace
 
@@ -66,6 +71,10 @@ void qcDeformableWorld::integrateTransforms(btScalar timeStep)
 {
     Implementation& my = *m_implementation;
     my.ReadStart(getSoftBodyArray(), &btSoftBody::Node::m_x);
+    // A body that falls asleep in this step has the velocity of gravity, and Bullet would still move it.
+    for (int i = 0; i < getSoftBodyArray().size(); i++)
+        if (!getSoftBodyArray()[i]->isActive())
+            getSoftBodyArray()[i]->setZeroVelocity();
     btDeformableMultiBodyDynamicsWorld::integrateTransforms(timeStep);
     if (!my.Resolve(timeStep))
         return;

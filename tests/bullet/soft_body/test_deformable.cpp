@@ -383,6 +383,22 @@ START_TEST(a_moving_plate_wakes_a_sleeping_sheet_and_takes_it_along)
     world.world->removeRigidBody(&plate);
 }
 END_TEST
+
+START_TEST(a_sheet_at_rest_falls_asleep_where_it_lies_and_wakes)
+{
+    World<qcDeformableWorld> world;
+    btSoftBody* sheet = world.AddSheet(btScalar(0.03), 0, 10);
+    world.StepApart(240);
+    const btScalar lowest = qcLowestNode(sheet);
+    // Bullet's bodies sleep after two seconds at rest.
+    world.StepApart(480);
+    ck_assert(!sheet->isActive());
+    ck_assert_double_eq_tol(double(qcLowestNode(sheet)), double(lowest), 1e-6);
+    world.AddSheet(btScalar(0.1), btScalar(0.3), 10);
+    world.StepApart(30);
+    ck_assert(sheet->isActive());
+}
+END_TEST
 } // namespace
 
 QC_RUN_TESTS("deformable", a_folded_deformable_cloth_comes_to_rest_untangled,
@@ -392,4 +408,5 @@ QC_RUN_TESTS("deformable", a_folded_deformable_cloth_comes_to_rest_untangled,
              a_deformable_cloth_rests_on_a_mesh_and_pushes_one, an_anchored_node_stays_at_its_anchor,
              contacts_stand_in_manifolds_until_the_next_step, a_node_that_is_not_finite_is_named_and_nothing_crashes,
              two_runs_agree_bit_by_bit, a_sheet_at_rest_that_the_application_moves_into_the_floor_stays_at_rest,
-             a_moving_plate_wakes_a_sleeping_sheet_and_takes_it_along)
+             a_moving_plate_wakes_a_sleeping_sheet_and_takes_it_along,
+             a_sheet_at_rest_falls_asleep_where_it_lies_and_wakes)
