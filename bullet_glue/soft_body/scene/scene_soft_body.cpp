@@ -1,7 +1,10 @@
-// A soft body of the scene: what it collides with, and its motion.
-#include "soft_body/scene/soft_scene.h"
+// The state of a soft body over a step.
+#include "soft_body/scene/scene_soft_body.h"
+
+#include "soft_body/scene/lone_bodies.h"
 
 #include <algorithm>
+#include <cmath>
 
 bool qcCollidesWithSurfaces(const btSoftBody* body, const qcSoftBodySettings& settings)
 {
@@ -10,6 +13,82 @@ bool qcCollidesWithSurfaces(const btSoftBody* body, const qcSoftBodySettings& se
     const int flags = body->m_cfg.collisions;
     return (flags & Collision::RVSmask) != 0 && (flags & Collision::CL_RS) == 0 && !settings.bulletNodeContacts &&
            !body->m_reducedModel;
+}
+
+bool qcSceneSoftBody::ReadApplied(btVector3 btSoftBody::Node::*member)
+{
+    applied.clear();
+    if (!hasEnd || positions.size() != size_t(NodeCount()) || positions.empty())
+        return false;
+    size_t same = 0;
+    while (same < positions.size() && qcAreSame(positions[same], body->m_nodes[int(same)].*member))
+        same++;
+    if (same == positions.size())
+        return true;
+    btVector3 lower = positions[0], upper = lower;
+    btScalar largest = 0;
+    for (size_t i = 0; i < positions.size(); i++)
+    {
+        lower.setMin(positions[i]);
+        upper.setMax(positions[i]);
+        applied.push_back(body->m_nodes[int(i)].*member - positions[i]);
+        largest = std::max(largest, applied[i].length2());
+    }
+    if (4 * largest <= (upper - lower).length2())
+        return true;
+    applied.clear();
+    return false;
+}
+
+void qcSceneSoftBody::ReadAnchors()
+{
+    pinned.clear();
+    anchors.clear();
+    // Bullet places the nodes of a reduced model, and those at its deformable anchors.
+    if (body->m_reducedModel || body->m_deformableAnchors.size() > 0)
+        pinned.resize(size_t(NodeCount()), body->m_reducedModel);
+    for (int i = 0; i < body->m_anchors.size(); i++)
+        anchors.emplace_back(uint32_t(IndexOf(body->m_anchors[i].m_node)), body->m_anchors[i].m_body);
+    for (int i = 0; i < body->m_deformableAnchors.size(); i++)
+    {
+        const btSoftBody::DeformableNodeRigidAnchor& anchor = body->m_deformableAnchors[i];
+        const size_t node = IndexOf(anchor.m_node);
+        pinned[node] = true;
+        anchors.emplace_back(uint32_t(node), anchor.m_cti.m_colObj);
+    }
+}
+
+void qcSceneSoftBody::ReadSolved()
+{
+    solved.resize(size_t(NodeCount()));
+    hasSolvedBox = !solved.empty();
+    if (solved.empty())
+        return;
+    btVector3 lower = start[0], upper = lower, sum(0, 0, 0);
+    for (size_t i = 0; i < solved.size(); i++)
+    {
+        const btVector3& x = body->m_nodes[int(i)].m_x;
+        solved[i] = x;
+        lower.setMin(start[i]);
+        lower.setMin(x);
+        upper.setMax(start[i]);
+        upper.setMax(x);
+        sum += start[i] + x;
+    }
+    solvedBox[0] = lower;
+    solvedBox[1] = upper;
+    // The scene's query reports a node that is not finite; a broadphase must not get such a box.
+    hasSolvedBox = std::isfinite(sum.x() + sum.y() + sum.z());
+}
+
+bool qcSceneSoftBody::IsStretched(bool starts)
+{
+    if (!starts && IsSolved())
+        return isSolvedStretched;
+    const bool isStretched = qcIsStretchedChain(start, positions, thickness);
+    if (starts)
+        isSolvedStretched = isStretched;
+    return isStretched;
 }
 
 btVector3 qcSceneSoftBody::VelocityMotionOf(size_t node, const btVector3& from) const

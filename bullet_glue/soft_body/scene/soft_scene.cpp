@@ -8,7 +8,6 @@
 #include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace
 {
@@ -16,83 +15,6 @@ namespace
 // where the core is busy with something else more; with less work than this it gives nothing back (qc-bench soft
 // --demos: bunnies and cloths take a tenth to a quarter less).
 constexpr double s_threadedMs = 1;
-
-/// Pins the nodes that Bullet itself places at the end of each step: at their anchors, or by the reduced model.
-void FindPinned(qcSceneSoftBody& tracked)
-{
-    tracked.pinned.clear();
-    if (tracked.body->m_reducedModel)
-        tracked.pinned.resize(size_t(tracked.NodeCount()), true);
-    for (int i = 0; i < tracked.body->m_deformableAnchors.size(); i++)
-    {
-        tracked.pinned.resize(size_t(tracked.NodeCount()), false);
-        tracked.pinned[tracked.IndexOf(tracked.body->m_deformableAnchors[i].m_node)] = true;
-    }
-}
-
-void FindAnchors(qcSceneSoftBody& tracked)
-{
-    const btSoftBody& body = *tracked.body;
-    tracked.anchors.clear();
-    for (int i = 0; i < body.m_anchors.size(); i++)
-        tracked.anchors.emplace_back(uint32_t(tracked.IndexOf(body.m_anchors[i].m_node)), body.m_anchors[i].m_body);
-    for (int i = 0; i < body.m_deformableAnchors.size(); i++)
-        tracked.anchors.emplace_back(uint32_t(tracked.IndexOf(body.m_deformableAnchors[i].m_node)),
-                                     body.m_deformableAnchors[i].m_cti.m_colObj);
-}
-
-/// Reads how far the application has moved the nodes since the end of the previous step. False: the body starts
-/// elsewhere, since a node is further from there than half the size that the body had.
-bool ReadApplied(qcSceneSoftBody& tracked, btVector3 btSoftBody::Node::*start)
-{
-    tracked.applied.clear();
-    if (!tracked.hasEnd || tracked.positions.size() != size_t(tracked.NodeCount()) || tracked.positions.empty())
-        return false;
-    const btAlignedObjectArray<btSoftBody::Node>& nodes = tracked.body->m_nodes;
-    size_t same = 0;
-    while (same < tracked.positions.size() && qcAreSame(tracked.positions[same], nodes[int(same)].*start))
-        same++;
-    if (same == tracked.positions.size())
-        return true;
-    btVector3 lower = tracked.positions[0], upper = lower;
-    btScalar largest = 0;
-    for (size_t i = 0; i < tracked.positions.size(); i++)
-    {
-        lower.setMin(tracked.positions[i]);
-        upper.setMax(tracked.positions[i]);
-        tracked.applied.push_back(nodes[int(i)].*start - tracked.positions[i]);
-        largest = std::max(largest, tracked.applied[i].length2());
-    }
-    if (4 * largest <= (upper - lower).length2())
-        return true;
-    tracked.applied.clear();
-    return false;
-}
-
-/// Reads the positions after Bullet's own solvers, and finds the box of the motion from the start of the step.
-void ReadNodes(qcSceneSoftBody& tracked)
-{
-    const btAlignedObjectArray<btSoftBody::Node>& nodes = tracked.body->m_nodes;
-    tracked.solved.resize(size_t(tracked.NodeCount()));
-    tracked.hasSolvedBox = !tracked.solved.empty();
-    if (tracked.solved.empty())
-        return;
-    btVector3 lower = tracked.start[0], upper = lower, sum(0, 0, 0);
-    for (size_t i = 0; i < tracked.solved.size(); i++)
-    {
-        const btVector3 &start = tracked.start[i], &x = nodes[int(i)].m_x;
-        tracked.solved[i] = x;
-        lower.setMin(start);
-        lower.setMin(x);
-        upper.setMax(start);
-        upper.setMax(x);
-        sum += start + x;
-    }
-    tracked.solvedBox[0] = lower;
-    tracked.solvedBox[1] = upper;
-    // The scene's query reports a node that is not finite; a broadphase must not get such a box.
-    tracked.hasSolvedBox = std::isfinite(sum.x() + sum.y() + sum.z());
-}
 } // namespace
 
 qcSoftBodyScene::qcSoftBodyScene(qcDevice* device) : m_device(device)
@@ -203,7 +125,7 @@ void qcSoftBodyScene::ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::
     ApplySettings(tracked);
     // A body that Bullet does not simulate stays where it is.
     auto member = tracked.moves ? start : &btSoftBody::Node::m_x;
-    bool isNearEnd = ReadApplied(tracked, member);
+    bool isNearEnd = tracked.ReadApplied(member);
     tracked.start.resize(size_t(tracked.NodeCount()));
     for (int n = 0; n < tracked.NodeCount() && !isNearEnd; n++)
         tracked.start[size_t(n)] = tracked.body->m_nodes[n].*member;
@@ -211,8 +133,7 @@ void qcSoftBodyScene::ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::
         tracked.start = tracked.positions;
     tracked.startsElsewhere = !isNearEnd;
     tracked.startsWhereItEnded = tracked.startsWhereItEnded && isNearEnd;
-    FindPinned(tracked);
-    FindAnchors(tracked);
+    tracked.ReadAnchors();
 }
 
 void qcSoftBodyScene::LimitThickness(const std::function<bool(uint32_t)>& isTangled)
@@ -300,7 +221,7 @@ qcStatus qcSoftBodyScene::ReadSolved(btScalar timeStep)
     meshes.ReadMotions(broadphases, timeStep);
     for (qcSceneSoftBody& tracked : m_bodies)
     {
-        ReadNodes(tracked);
+        tracked.ReadSolved();
         tracked.positions = tracked.solved;
         tracked.shifts.clear();
         tracked.inContact = false;
@@ -381,20 +302,6 @@ void qcSoftBodyScene::FindPartners(bool mayLeaveOut)
         m_bodies[i].hasPartner = m_bodies[i].hasPartner || m_boxes.Overlaps(i);
 }
 
-namespace
-{
-/// True if a chain runs along one direction over its motion. `starts`: its positions are those after Bullet's solvers.
-bool IsStretched(qcSceneSoftBody& chain, bool starts)
-{
-    if (!starts && chain.IsSolved())
-        return chain.isSolvedStretched;
-    const bool isStretched = qcIsStretchedChain(chain.start, chain.positions, chain.thickness);
-    if (starts)
-        chain.isSolvedStretched = isStretched;
-    return isStretched;
-}
-} // namespace
-
 /// Finds the bodies that are alone: at the start of the step (`starts`), or those that still are. True: one that was
 /// is no longer.
 bool qcSoftBodyScene::FindLone(bool starts)
@@ -407,7 +314,7 @@ bool qcSoftBodyScene::FindLone(bool starts)
     {
         const bool wasAlone = tracked.isAlone, wasApart = tracked.isApart;
         tracked.isApart =
-            mayLeaveOut && tracked.topology.isChain && tracked.settings.selfCollision && IsStretched(tracked, starts);
+            mayLeaveOut && tracked.topology.isChain && tracked.settings.selfCollision && tracked.IsStretched(starts);
         tracked.isAlone = mayLeaveOut && !tracked.hasPartner && (starts || wasAlone) &&
                           (tracked.isApart || !tracked.settings.selfCollision);
         isFound = isFound || (wasAlone && !tracked.isAlone);
