@@ -139,7 +139,7 @@ void qcHeldContacts::Insert(qcSoftBodyScene& scene)
         {
             if (IsApplied(soft, held) ||
                 !std::binary_search(scene.liveObjects.begin(), scene.liveObjects.end(), held.object, IsLess) ||
-                !present.Contains(held.object.object, held.object.uniqueId))
+                !present.Contains(held.object.object, held.object.uniqueId) || !qcHasResponse(soft, held.object.object))
                 continue;
             const btTransform& now = held.object.object->getWorldTransform();
             Inserted inserted = {&soft, &held, now.getBasis() * held.localNormal, held.point, now * held.localPoint};

@@ -151,12 +151,16 @@ bool HaveResponse(const qcSceneSoftBody& a, const qcSceneSoftBody& b)
 }
 } // namespace
 
-bool qcHasResponse(const qcSceneSoftBody& soft, const qcSceneRigid& rigid, const qcSceneMesh& mesh)
+bool qcHasResponse(const qcSceneSoftBody& soft, const btCollisionObject* object)
 {
     const auto& disabled = soft.body->m_collisionDisabledObjects;
-    return (mesh.isSurface ? soft.CollidesWithSurfaces() : soft.CollidesWithRigidBodies()) &&
-           rigid.object->hasContactResponse() && !AreFiltered(soft.body, rigid.object) &&
-           disabled.findLinearSearch(rigid.object) == disabled.size();
+    return soft.CollidesWithRigidBodies() && object->hasContactResponse() && !AreFiltered(soft.body, object) &&
+           disabled.findLinearSearch(object) == disabled.size();
+}
+
+bool qcHasResponse(const qcSceneSoftBody& soft, const qcSceneRigid& rigid, const qcSceneMesh& mesh)
+{
+    return (!mesh.isSurface || soft.CollidesWithSurfaces()) && qcHasResponse(soft, rigid.object);
 }
 
 bool qcHasResponse(qcSoftBodyScene& scene, uint32_t slotA, uint32_t slotB)

@@ -53,6 +53,8 @@ bool qcHasResponse(qcSoftBodyScene& scene, uint32_t slotA, uint32_t slotB);
 bool qcHasResponse(qcSoftBodyScene& scene, const qcPair& pair);
 /// True if contacts between the two bodies push them apart.
 bool qcHasResponse(const qcSceneSoftBody& soft, const qcSceneRigid& rigid, const qcSceneMesh& mesh);
+/// True if contacts of a soft body with some surface of the object push them apart.
+bool qcHasResponse(const qcSceneSoftBody& soft, const btCollisionObject* object);
 
 /// Makes a constraint between a soft body and a point of a mesh, in the object's frame. False: nothing can move.
 bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], const double weights[3],

@@ -442,6 +442,29 @@ START_TEST(a_cloth_that_is_put_exactly_on_a_floor_stays_on_it)
 }
 END_TEST
 
+START_TEST(a_cloth_falls_in_the_step_in_which_its_floor_stops_holding_it)
+{
+    std::unique_ptr<qcMeshShape> mesh = qcFloorModel(2, 8).MakeShape();
+    for (int way = 0; way < 3; way++)
+    {
+        World world;
+        world.AddCloth(btScalar(0.1), 10);
+        btRigidBody* floor = world.AddBody(mesh.get(), 0, btVector3(0, 0, 0));
+        world.StepApart(60);
+        ck_assert_double_lt(double(qcSpeedOf(world.cloth)), 0.01);
+        if (way == 0)
+            floor->setCollisionFlags(floor->getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE);
+        else if (way == 1)
+            world.cloth->m_cfg.collisions = 0;
+        else
+            world.cloth->m_collisionDisabledObjects.push_back(floor);
+        world.StepApart(1);
+        // Free fall gives 0.083 m/s in a step.
+        ck_assert_double_gt(double(qcSpeedOf(world.cloth)), 0.08);
+    }
+}
+END_TEST
+
 START_TEST(two_runs_agree_bit_by_bit)
 {
     std::vector<btVector3> expected;
@@ -476,4 +499,4 @@ QC_RUN_TESTS("soft body on mesh", a_cloth_comes_to_rest_on_a_mesh_without_penetr
              a_mesh_that_sleeps_is_woken_and_moves,
              a_transform_that_is_not_finite_is_refused_and_bullets_positions_remain,
              meshes_may_change_and_be_removed_between_two_steps, a_cloth_that_is_put_exactly_on_a_floor_stays_on_it,
-             two_runs_agree_bit_by_bit)
+             a_cloth_falls_in_the_step_in_which_its_floor_stops_holding_it, two_runs_agree_bit_by_bit)
