@@ -211,7 +211,8 @@ struct qcMeshContactStatistics
 /// motions are not proven apart are pushed apart or cut back. Static and kinematic objects are not; `unproven` counts
 /// pairs that they press together. A kinematic body moves to where the application sets its transform, and takes along
 /// what is between; one that is put elsewhere needs setInterpolationWorldTransform, too. Convex shapes have Bullet's
-/// own continuous collision detection (setCcdMotionThreshold).
+/// own continuous collision detection (setCcdMotionThreshold). On a btStaticPlaneShape contact alone holds meshes:
+/// those that land fast, spin fast or lie under a heap may sink in before it pushes them out.
 ///
 /// Rest: as long as no two points of a pair have moved against each other by 6 % of the threshold, its contact points
 /// move with the bodies and nothing is searched.

@@ -23,9 +23,9 @@ struct qcSoftBodySettings
     /// Distance at which surfaces are kept apart, in world units. 0: half the mean edge of the body's faces when it was
     /// added to the world, at most the collision shape's margin and, unless the body started tangled in itself, nine
     /// tenths of the height that all faces but a hundredth exceed (without faces: an eighth of the mean rope link, or
-    /// 0). More than half the shortest edge makes cloth stiff. Two bodies use the mean of both; a body and a rigid one
-    /// use half the body's thickness plus the margin of the mesh or surface (see qcSoftBodyContact; of a surface's
-    /// margin at most the thickness).
+    /// 0). More than half the shortest edge makes cloth stiff, and more than all edges may throw it. Two bodies use the
+    /// mean of both; a body and a rigid one use half the body's thickness plus the margin of the mesh or surface (see
+    /// qcSoftBodyContact; of a surface's margin at most the thickness).
     btScalar thickness = 0;
     /// No triangle of the body that is apart from another one (its own, another soft body's, a rigid one's) passes it
     /// in a step, whatever the speed. false: only contacts at the end of a step hold it, and only against bodies whose
