@@ -1,11 +1,9 @@
 // Restitution of contact points that bodies reach within a step.
 #include "mesh_contact/bounces.h"
 
-#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <BulletDynamics/Dynamics/btDynamicsWorld.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
-#include <algorithm>
 #include <vector>
 
 namespace
@@ -19,9 +17,8 @@ struct Side
     btRigidBody* body; ///< null: it does not move
     btVector3 arm;     ///< from its centre to the point
 
-    Side(const btCollisionObject* object, const btVector3& local)
-        : body(const_cast<btRigidBody*>(btRigidBody::upcast(object))),
-          arm(object->getWorldTransform().getBasis() * local)
+    Side(const btCollisionObject* object, const btVector3& fromCentre)
+        : body(const_cast<btRigidBody*>(btRigidBody::upcast(object))), arm(fromCentre)
     {
     }
 
@@ -45,28 +42,54 @@ struct Side
 struct Bounce
 {
     Side a, b;
-    btVector3 normal;     ///< from b to a
+    btVector3 normal; ///< from b to a
+    btScalar restitution;
     btScalar speed;       ///< at which the two part
-    btScalar restitution; ///< that the speed contains
     btScalar stopping;    ///< impulse that stops the two, in part the solver's
     btScalar parting = 0; ///< impulse that parts them
-
-    Bounce(const btPersistentManifold& manifold, const btManifoldPoint& point, btScalar combinedRestitution)
-        : a(manifold.getBody0(), point.m_localPointA), b(manifold.getBody1(), point.m_localPointB),
-          normal(point.m_normalWorldOnB), speed(-point.m_combinedRestitution), restitution(combinedRestitution),
-          stopping(point.m_appliedImpulse)
-    {
-    }
 
     btScalar PartingSpeed() const
     {
         return normal.dot(a.Velocity() - b.Velocity());
     }
 
+    Bounce(const btPersistentManifold& manifold, const btManifoldPoint& point, const qcBounceMark& mark)
+        : a(manifold.getBody0(), mark.armA), b(manifold.getBody1(), mark.armB), normal(point.m_normalWorldOnB),
+          restitution(mark.restitution), speed(mark.restitution * mark.approach), stopping(point.m_appliedImpulse)
+    {
+        Meet();
+    }
+
+    /// Both bodies have slid along each other since the arms were found. From now on they have one point in common,
+    /// else the impulses would change their angular momentum. The lighter body's arm changes less: that of a body on a
+    /// static one remains.
+    void Meet()
+    {
+        const btScalar shareA = a.body != nullptr ? a.body->getInvMass() : btScalar(0);
+        const btScalar shareB = b.body != nullptr ? b.body->getInvMass() : btScalar(0);
+        if (!(shareA > 0) || !(shareB > 0))
+            return;
+        btVector3 slide = b.body->getCenterOfMassPosition() + b.arm - a.body->getCenterOfMassPosition() - a.arm;
+        a.arm += slide * (shareB / (shareA + shareB));
+        b.arm -= slide * (shareA / (shareA + shareB));
+    }
+
+    btScalar InverseMass() const
+    {
+        return a.InverseMass(normal) + b.InverseMass(normal);
+    }
+
+    /// The impulse that has slowed down the approach, for a solver that writes none.
+    btScalar FindStopping(btScalar approach) const
+    {
+        btScalar inverseMass = InverseMass();
+        return inverseMass > 0 ? (approach + PartingSpeed()) / inverseMass : btScalar(0);
+    }
+
     /// Changes an impulse, within a limit, so that the two part at this speed.
     void Solve(btScalar target, btScalar limit, btScalar* impulse) const
     {
-        btScalar inverseMass = a.InverseMass(normal) + b.InverseMass(normal);
+        btScalar inverseMass = InverseMass();
         if (!(inverseMass > 0))
             return;
         btScalar sum = btClamped(*impulse + (target - PartingSpeed()) / inverseMass, btScalar(0), limit);
@@ -88,47 +111,89 @@ struct Bounce
     }
 };
 
+/// From a body's centre to a point of its surface.
+btVector3 ArmTo(const btVector3& point, const btCollisionObject* object)
+{
+    return point - object->getWorldTransform().getOrigin();
+}
+
 /// A link of a multibody has other velocities than those of a rigid body.
 bool MayBounce(const btPersistentManifold& manifold)
 {
     return manifold.getBody0()->getInternalType() != btCollisionObject::CO_FEATHERSTONE_LINK &&
            manifold.getBody1()->getInternalType() != btCollisionObject::CO_FEATHERSTONE_LINK;
 }
+
+/// The solver skips islands that fall asleep: their impulses are of an earlier step.
+bool IsAsleep(const btCollisionObject* object)
+{
+    return !object->isStaticOrKinematicObject() && object->getActivationState() == ISLAND_SLEEPING;
+}
+
+/// Appends the bounce at a point, if the solver has stopped the bodies there and they were not too slow.
+void AddBounce(const btPersistentManifold& manifold, const btManifoldPoint& point, const qcBounceMark& mark,
+               const btContactSolverInfo& info, std::vector<Bounce>* bounces)
+{
+    if (!(mark.approach >= info.m_restitutionVelocityThreshold) || IsAsleep(manifold.getBody0()) ||
+        IsAsleep(manifold.getBody1()))
+        return;
+    Bounce bounce(manifold, point, mark);
+    // Impulses are written for warm starting only.
+    if ((info.m_solverMode & SOLVER_USE_WARMSTARTING) == 0)
+        bounce.stopping = bounce.FindStopping(mark.approach);
+    if (bounce.stopping > 0)
+        bounces->push_back(bounce);
+}
 } // namespace
 
-void qcMarkBounces(btPersistentManifold* manifold)
+void qcBounces::Mark(btPersistentManifold* manifold)
 {
-    if (!MayBounce(*manifold))
-        return;
-    for (int i = 0; i < manifold->getNumContacts(); i++)
+    Marks marks{manifold->getBody0(), manifold->getBody1(), {}};
+    bool anyBounces = false;
+    for (int i = 0; i < manifold->getNumContacts() && MayBounce(*manifold); i++)
     {
         btManifoldPoint& point = manifold->getContactPoint(i);
         if (!(point.getDistance() > 0) || !(point.m_combinedRestitution > 0))
             continue;
-        btScalar approach = -Bounce(*manifold, point, 0).PartingSpeed();
-        point.m_combinedRestitution *= -std::max(approach, btScalar(0));
+        Side a(manifold->getBody0(), ArmTo(point.getPositionWorldOnA(), manifold->getBody0()));
+        Side b(manifold->getBody1(), ArmTo(point.getPositionWorldOnB(), manifold->getBody1()));
+        btScalar approach = point.m_normalWorldOnB.dot(b.Velocity() - a.Velocity());
+        if (!(approach > 0))
+            continue;
+        marks.points[size_t(i)] = {a.arm, b.arm, point.m_combinedRestitution, approach};
+        point.m_combinedRestitution = 0;
+        anyBounces = true;
     }
+    std::lock_guard<std::mutex> lock(m_mutex);
+    if (anyBounces)
+        m_marks[manifold] = marks;
+    else
+        m_marks.erase(manifold);
 }
 
-void qcApplyBounces(btDynamicsWorld* world)
+void qcBounces::Apply(btDynamicsWorld* world)
 {
     std::vector<Bounce> bounces;
     btDispatcher* dispatcher = world->getDispatcher();
-    for (int m = 0; m < dispatcher->getNumManifolds(); m++)
+    // An action may have removed bodies: manifolds that are left have theirs. Their order is that of the dispatcher.
+    for (int m = 0; m < dispatcher->getNumManifolds() && !m_marks.empty(); m++)
     {
         btPersistentManifold* manifold = dispatcher->getManifoldByIndexInternal(m);
+        auto entry = m_marks.find(manifold);
+        if (entry == m_marks.end() || entry->second.body0 != manifold->getBody0() ||
+            entry->second.body1 != manifold->getBody1())
+            continue;
         for (int i = 0; i < manifold->getNumContacts(); i++)
         {
-            btManifoldPoint& point = manifold->getContactPoint(i);
-            if (!(point.m_combinedRestitution < 0))
+            const qcBounceMark& mark = entry->second.points[size_t(i)];
+            if (!(mark.restitution > 0))
                 continue;
-            btScalar restitution = gCalculateCombinedRestitutionCallback(manifold->getBody0(), manifold->getBody1());
-            btScalar least = restitution * world->getSolverInfo().m_restitutionVelocityThreshold;
-            if (point.m_appliedImpulse > 0 && -point.m_combinedRestitution >= least)
-                bounces.emplace_back(*manifold, point, restitution);
-            point.m_combinedRestitution = restitution;
+            btManifoldPoint& point = manifold->getContactPoint(i);
+            point.m_combinedRestitution = mark.restitution;
+            AddBounce(*manifold, point, mark, world->getSolverInfo(), &bounces);
         }
     }
+    m_marks.clear();
     for (int sweep = 0; sweep < s_sweeps; sweep++)
         for (Bounce& bounce : bounces)
             bounce.Stop();

@@ -4,14 +4,40 @@
 #ifndef QC_GLUE_MESH_CONTACT_BOUNCES_H
 #define QC_GLUE_MESH_CONTACT_BOUNCES_H
 
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+
+#include <array>
+#include <mutex>
+#include <unordered_map>
+
 class btDynamicsWorld;
-class btPersistentManifold;
 
-/// Before the solver: points at a distance get the speed of their bounce, negative, in place of their restitution. The
-/// solver takes what is negative for 0.
-void qcMarkBounces(btPersistentManifold* manifold);
+/// A point at which two bodies may bounce in the present step.
+struct qcBounceMark
+{
+    btVector3 armA, armB;     ///< from the bodies' centres to the point, before the step
+    btScalar restitution = 0; ///< of the point, and 0 if there is no bounce
+    btScalar approach = 0;    ///< speed at which the bodies close in on each other before the solver
+};
 
-/// After the solver: bodies that it has stopped at marked points get these speeds. Points have their restitution again.
-void qcApplyBounces(btDynamicsWorld* world);
+class qcBounces
+{
+  public:
+    /// Before the solver: keeps what bounces at points at a distance, and sets their restitution to 0. Bodies of the
+    /// manifold respond to each other. It may run on several threads at once.
+    void Mark(btPersistentManifold* manifold);
+    /// After the solver: bodies that it has stopped at these points bounce. Points have their restitution again.
+    void Apply(btDynamicsWorld* world);
+
+  private:
+    struct Marks
+    {
+        const btCollisionObject *body0, *body1; ///< a later manifold may have the address of one that is gone
+        std::array<qcBounceMark, MANIFOLD_CACHE_SIZE> points;
+    };
+
+    std::unordered_map<const btPersistentManifold*, Marks> m_marks;
+    std::mutex m_mutex;
+};
 
 #endif

@@ -4,8 +4,6 @@
 // others are replaced by addContactPoint, which passes on the impulses of the nearest point.
 #include "mesh_contact/collision_algorithm.h"
 
-#include "mesh_contact/bounces.h"
-
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
@@ -333,9 +331,11 @@ void qcPointsAlgorithm::processCollision(const btCollisionObjectWrapper* body0, 
     // The threshold of a parent's manifold can't be raised to that of speculative contacts.
     RemoveDistant(object0, object1, contactDistance, m_isShared ? 0 : dispatchInfo.m_timeStep, &points);
     UpdateManifolds(&points, contactDistance, *body0, *body1, result);
+    if (m_isShared || !(dispatchInfo.m_timeStep > 0) || !m_dispatcher->needsResponse(object0, object1))
+        return;
     for (btPersistentManifold* manifold : m_manifolds)
-        if (manifold != nullptr && dispatchInfo.m_timeStep > 0)
-            qcMarkBounces(manifold);
+        if (manifold != nullptr)
+            m_batch->bounces.Mark(manifold);
 }
 
 btScalar qcPointsAlgorithm::calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,

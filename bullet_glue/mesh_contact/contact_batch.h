@@ -5,6 +5,7 @@
 #include "common/rigid_limits.h"
 #include "mesh_contact/batch_scene.h"
 #include "mesh_contact/batch_validity.h"
+#include "mesh_contact/bounces.h"
 #include "mesh_contact/impact_sampling.h"
 #include "mesh_contact/motion_limiter.h"
 #include "mesh_contact/plane_pairs.h"
@@ -52,6 +53,7 @@ class qcMeshBatch : public qcRigidLimits, public qcKnownGaps
     /// Draws the candidates of the last batch, at the present transforms of their objects. `modes`: qcDebugDrawMode.
     void Draw(btIDebugDraw* drawer, int modes);
 
+    qcBounces bounces;
     qcBatchSettings settings;           ///< between steps only
     qcMeshContactStatistics statistics; ///< between steps only
 

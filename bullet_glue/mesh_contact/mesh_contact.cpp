@@ -1,7 +1,6 @@
 // Registering contact of meshes with a world.
 #include "quickcullide/bullet_mesh.h"
 
-#include "mesh_contact/bounces.h"
 #include "mesh_contact/collision_algorithm.h"
 #include "quickcullide/bullet_debug_draw.h"
 
@@ -84,7 +83,7 @@ struct LimitAction : btActionInterface
     void updateAction(btCollisionWorld* world, btScalar timeStep) override
     {
         batch->LimitMotion(timeStep);
-        qcApplyBounces(static_cast<btDynamicsWorld*>(world));
+        batch->bounces.Apply(static_cast<btDynamicsWorld*>(world));
     }
 
     void debugDraw(btIDebugDraw*) override
