@@ -121,7 +121,7 @@ void qcObjectStarts::ForEachPlaced(const std::set<btBroadphaseInterface*>& broad
                   [&](btCollisionObject* object, btBroadphaseInterface*)
                   {
                       auto found = m_states.find(qcObjectKey(object));
-                      if (IsDynamic(object) || found == m_states.end() ||
+                      if (IsDynamic(object) || !object->hasContactResponse() || found == m_states.end() ||
                           qcAreSame(found->second.end, object->getWorldTransform()))
                           return;
                       const Moved moved = MakeMoved(object, found->second.end);

@@ -23,7 +23,7 @@ class qcObjectStarts
     void Read(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep);
     using BoxFunction = std::function<void(const btVector3&, const btVector3&)>;
     /// Calls function(lower, upper) for the motion of each object that the application has moved since the previous
-    /// step and Bullet does not move. O(objects).
+    /// step, Bullet does not move and others respond to. O(objects).
     void ForEachPlaced(const std::set<btBroadphaseInterface*>& broadphases, const BoxFunction& function) const;
     /// The object's transform at the start of the step: where the previous one left it, unless it was put elsewhere
     /// since. Read has seen it.

@@ -384,6 +384,27 @@ START_TEST(a_moving_plate_wakes_a_sleeping_sheet_and_takes_it_along)
 }
 END_TEST
 
+START_TEST(a_plate_without_response_does_not_wake_a_sleeping_sheet)
+{
+    World<qcDeformableWorld> world(btVector3(0, 0, 0));
+    btSoftBody* sheet = world.AddSheet(btScalar(0.5), 0, 10);
+    world.StepApart(600);
+    ck_assert(!sheet->isActive());
+    std::unique_ptr<qcMeshShape> shape = qcFloorModel(0.3, 2).MakeShape();
+    btRigidBody plate(0, nullptr, shape.get());
+    plate.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT | btCollisionObject::CF_NO_CONTACT_RESPONSE);
+    plate.setActivationState(DISABLE_DEACTIVATION);
+    world.world->addRigidBody(&plate);
+    for (btScalar y : {btScalar(0.2), btScalar(0.35), btScalar(0.55), btScalar(0.75)})
+    {
+        plate.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, y, 0)));
+        world.Step();
+        ck_assert(!sheet->isActive());
+    }
+    world.world->removeRigidBody(&plate);
+}
+END_TEST
+
 START_TEST(a_sheet_at_rest_falls_asleep_where_it_lies_and_wakes)
 {
     World<qcDeformableWorld> world;
@@ -409,4 +430,5 @@ QC_RUN_TESTS("deformable", a_folded_deformable_cloth_comes_to_rest_untangled,
              contacts_stand_in_manifolds_until_the_next_step, a_node_that_is_not_finite_is_named_and_nothing_crashes,
              two_runs_agree_bit_by_bit, a_sheet_at_rest_that_the_application_moves_into_the_floor_stays_at_rest,
              a_moving_plate_wakes_a_sleeping_sheet_and_takes_it_along,
+             a_plate_without_response_does_not_wake_a_sleeping_sheet,
              a_sheet_at_rest_falls_asleep_where_it_lies_and_wakes)
