@@ -13,7 +13,7 @@ namespace
 // Contact of fine meshes is searched no further than this part of an edge: within 4 cm of a triangle of 1 cm lie a
 // hundred others. At a half, 20 bunnies have twice as many pairs of triangles, and are no less deep (qc-bench piles);
 // at a tenth, a chain of tori comes to rest later (test_mesh_rest).
-constexpr btScalar s_maxEdges = btScalar(0.25);
+constexpr btScalar s_maxEdges = btScalar(0.2);
 // Bodies move together if their speeds relative to the mean motion are less than this share of their speeds. (Bodies
 // that only tremble at rest have no mean motion, which would make contact flicker.)
 constexpr btScalar s_maxRelativeSpeed = btScalar(0.25);

@@ -189,7 +189,7 @@ struct qcMeshContactStatistics
 /// A pair outside a step (contactTest, contactPairTest) or with another transform is computed alone.
 ///
 /// Contact points: all that the bodies' motion in the step may bring into contact, as far as Bullet's contact breaking
-/// threshold reaches and, for fine meshes, a quarter of an edge of each body, beyond both margins; on planes at any
+/// threshold reaches and, for fine meshes, a fifth of an edge of each body, beyond both margins; on planes at any
 /// speed. Contacts that will come within the threshold during the step are created at its beginning, before the bodies
 /// penetrate. Points are grouped by normal. Each of up to four groups has a manifold of its own with the four points
 /// that span it, among them the deepest, or one of the previous step that is at most 5 % of the threshold less deep. A
@@ -200,6 +200,9 @@ struct qcMeshContactStatistics
 /// by more than their margins in their first step get Bullet's whole push. The distances of contact points in manifolds
 /// leave out what has not given way yet; without a step of the world (btCollisionWorld, ghosts, contactTest) they are
 /// the real ones.
+///
+/// Restitution: bodies bounce at the end of the step in which they reach each other. Until then
+/// btManifoldPoint::m_combinedRestitution of these points is 0.
 ///
 /// Fast bodies: rigid bodies that pass each other by more than the threshold and 5 % of the smaller one are sampled at
 /// up to sixteen times in the step, along their initial velocities, and stop where they touch, together with bodies
