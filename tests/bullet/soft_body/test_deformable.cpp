@@ -362,7 +362,9 @@ START_TEST(a_sheet_at_rest_that_the_application_moves_into_the_floor_stays_at_re
 }
 END_TEST
 
-START_TEST(a_moving_plate_wakes_a_sleeping_sheet_and_takes_it_along)
+/// Moves a kinematic plate with these further flags up through a sheet that sleeps, and calls step(world, sheet) at
+/// each place. Returns the height of the sheet's middle.
+template <typename Function> static double MovePlateThroughSleeper(int flags, Function step)
 {
     World<qcDeformableWorld> world(btVector3(0, 0, 0));
     btSoftBody* sheet = world.AddSheet(btScalar(0.5), 0, 10);
@@ -370,38 +372,38 @@ START_TEST(a_moving_plate_wakes_a_sleeping_sheet_and_takes_it_along)
     ck_assert(!sheet->isActive());
     std::unique_ptr<qcMeshShape> shape = qcFloorModel(0.3, 2).MakeShape();
     btRigidBody plate(0, nullptr, shape.get());
-    plate.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+    plate.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT | flags);
     plate.setActivationState(DISABLE_DEACTIVATION);
     world.world->addRigidBody(&plate);
     for (btScalar y : {btScalar(0.2), btScalar(0.35), btScalar(0.55), btScalar(0.75)})
     {
         plate.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, y, 0)));
-        world.StepApart(1);
-        ck_assert_int_eq(world.world->getStatistics().unproven, 0);
+        step(world, sheet);
     }
-    ck_assert_double_gt(double(sheet->m_nodes[11 * 5 + 5].m_x.y()), 0.75);
     world.world->removeRigidBody(&plate);
+    return double(sheet->m_nodes[11 * 5 + 5].m_x.y());
+}
+
+START_TEST(a_moving_plate_wakes_a_sleeping_sheet_and_takes_it_along)
+{
+    double height = MovePlateThroughSleeper(0,
+                                            [](World<qcDeformableWorld>& world, btSoftBody*)
+                                            {
+                                                world.StepApart(1);
+                                                ck_assert_int_eq(world.world->getStatistics().unproven, 0);
+                                            });
+    ck_assert_double_gt(height, 0.75);
 }
 END_TEST
 
 START_TEST(a_plate_without_response_does_not_wake_a_sleeping_sheet)
 {
-    World<qcDeformableWorld> world(btVector3(0, 0, 0));
-    btSoftBody* sheet = world.AddSheet(btScalar(0.5), 0, 10);
-    world.StepApart(600);
-    ck_assert(!sheet->isActive());
-    std::unique_ptr<qcMeshShape> shape = qcFloorModel(0.3, 2).MakeShape();
-    btRigidBody plate(0, nullptr, shape.get());
-    plate.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT | btCollisionObject::CF_NO_CONTACT_RESPONSE);
-    plate.setActivationState(DISABLE_DEACTIVATION);
-    world.world->addRigidBody(&plate);
-    for (btScalar y : {btScalar(0.2), btScalar(0.35), btScalar(0.55), btScalar(0.75)})
-    {
-        plate.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, y, 0)));
-        world.Step();
-        ck_assert(!sheet->isActive());
-    }
-    world.world->removeRigidBody(&plate);
+    MovePlateThroughSleeper(btCollisionObject::CF_NO_CONTACT_RESPONSE,
+                            [](World<qcDeformableWorld>& world, btSoftBody* sheet)
+                            {
+                                world.Step();
+                                ck_assert(!sheet->isActive());
+                            });
 }
 END_TEST
 
