@@ -265,6 +265,7 @@ typedef struct qcDetectDef
     uint32_t threads;
     //  For `layers` only; these change the cost, not the result.
     /// Pixels on a side of the image, rounded down to a power of two, up to 4096. 0: chosen from the triangles' sizes.
+    /// GPUs need no image.
     uint32_t layerColumns;
     /// 'x', 'y' or 'z': the viewing axis. 0: the axis along which the scene is thinnest. One view suffices, since
     /// intervals are compared along all three axes.
@@ -549,11 +550,11 @@ typedef struct qcProfile
     uint32_t resolution;     ///< pixels on a side of the image; 0: no image
     uint64_t queries;        ///< primitives tested, all passes
     uint64_t rendered;       ///< primitives drawn, all passes
-    uint32_t columns;        ///< of the image of `layers`; 0: none
+    uint32_t columns;        ///< of the image of `layers`; 0: none, as on a GPU
     uint32_t rows;           ///< of the image of `layers`
     uint32_t slices;         ///< of depth, in each pixel of `layers`
     uint64_t fragments;      ///< entries in the lists of `layers`
-    uint64_t listPairs;      ///< pairs of entries whose intervals overlap along all axes, without neighbours
+    uint64_t listPairs;      ///< pairs of triangles whose intervals overlap along all axes, without neighbours
     uint32_t reruns;         ///< reruns of the step because a device buffer was too small and had to grow
     uint64_t uploadedBytes;  ///< to the device, in this step
     uint64_t deviceBytes;    ///< held on the device

@@ -147,7 +147,6 @@ qcStatus qcGlFunctions_Load(struct qcGlFunctions* gl, qcGlGetFunction* getFuncti
     {
         gl->ClearBufferData = (PFNGLCLEARBUFFERDATAPROC)getFunction("glClearBufferData");
         gl->DispatchCompute = (PFNGLDISPATCHCOMPUTEPROC)getFunction("glDispatchCompute");
-        gl->DispatchComputeIndirect = (PFNGLDISPATCHCOMPUTEINDIRECTPROC)getFunction("glDispatchComputeIndirect");
         gl->MemoryBarrier = (PFNGLMEMORYBARRIERPROC)getFunction("glMemoryBarrier");
     }
     if (major * 10 + minor >= 44 || qcGl_HasExtension(getFunction, "GL_ARB_buffer_storage"))

@@ -28,7 +28,6 @@
     X(PFNGLCLEARCOLORPROC, ClearColor)                                                                                 \
     X(PFNGLCLIENTWAITSYNCPROC, ClientWaitSync)                                                                         \
     X(PFNGLCOMPILESHADERPROC, CompileShader)                                                                           \
-    X(PFNGLCOPYBUFFERSUBDATAPROC, CopyBufferSubData)                                                                   \
     X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                                                           \
     X(PFNGLCREATESHADERPROC, CreateShader)                                                                             \
     X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                                                           \
@@ -95,7 +94,6 @@
     X(PFNGLUNIFORM1IPROC, Uniform1i)                                                                                   \
     X(PFNGLUNIFORM1UIPROC, Uniform1ui)                                                                                 \
     X(PFNGLUNIFORM2UIPROC, Uniform2ui)                                                                                 \
-    X(PFNGLUNIFORM3UIPROC, Uniform3ui)                                                                                 \
     X(PFNGLUNIFORM3FVPROC, Uniform3fv)                                                                                 \
     X(PFNGLUNIFORM4FVPROC, Uniform4fv)                                                                                 \
     X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                                                                     \
@@ -140,7 +138,6 @@ struct qcGlFunctions
     /// Compute shaders and clearing of buffers; all null below GL 4.3.
     PFNGLCLEARBUFFERDATAPROC ClearBufferData;
     PFNGLDISPATCHCOMPUTEPROC DispatchCompute;
-    PFNGLDISPATCHCOMPUTEINDIRECTPROC DispatchComputeIndirect;
     PFNGLMEMORYBARRIERPROC MemoryBarrier;
     /// Null below GL 4.4 without ARB_buffer_storage.
     PFNGLBUFFERSTORAGEPROC BufferStorage;

@@ -448,7 +448,7 @@ START_TEST(the_pairs_do_not_depend_on_device_columns_or_depth_axis)
                 snprintf(what, sizeof what, "%u columns, axis %d", columns, axis);
                 const qcResult* result = CheckLayers(scene, &def, what);
                 ck_assert_uint_gt(result->pairCount, 1000);
-                ck_assert(columns == 0 || result->profile.columns == columns);
+                ck_assert(columns == 0 || result->profile.columns == (qcHasImage(device) ? columns : 0));
             }
         qcScene_Destroy(scene);
     }
@@ -457,7 +457,7 @@ START_TEST(the_pairs_do_not_depend_on_device_columns_or_depth_axis)
 }
 END_TEST
 
-/// Checks the number of cells of the grid along each axis. 0: more than one.
+/// Checks the number of cells of the image along each axis. 0: more than one.
 static void CheckCells(const qcResult* result, uint32_t columns, uint32_t rows, uint32_t slices, const char* what)
 {
     const uint32_t cells[3] = {result->profile.columns, result->profile.rows, result->profile.slices},
@@ -491,7 +491,9 @@ START_TEST(cells_are_about_as_large_as_the_nodes_in_them)
             qcDetectDef def = qcDefaultDetectDef();
             def.layerColumns = cases[i].columns;
             const uint32_t* expected = cases[i].expected;
-            CheckCells(CheckLayers(scene, &def, cases[i].what), expected[0], expected[1], expected[2], cases[i].what);
+            const qcResult* result = CheckLayers(scene, &def, cases[i].what);
+            if (qcHasImage(device))
+                CheckCells(result, expected[0], expected[1], expected[2], cases[i].what);
             qcScene_Destroy(scene);
         }
     }

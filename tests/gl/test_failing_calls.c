@@ -17,8 +17,8 @@ typedef struct Function
 } Function;
 
 #define FUNCTION(Type, Name) {#Name, offsetof(struct qcGlFunctions, Name)},
-static const Function s_functions[] = {QC_GL_FUNCTIONS(FUNCTION) FUNCTION(, DispatchCompute) FUNCTION(
-    , DispatchComputeIndirect) FUNCTION(, MemoryBarrier) FUNCTION(, BufferStorage)};
+static const Function s_functions[] = {QC_GL_FUNCTIONS(FUNCTION) FUNCTION(, DispatchCompute) FUNCTION(, MemoryBarrier)
+                                           FUNCTION(, BufferStorage)};
 
 enum
 {

@@ -14,12 +14,6 @@ static uintptr_t CallUnexpected(void)
     return 0;
 }
 
-static void APIENTRY BindBufferRange(GLenum target, GLuint index, GLuint buffer, GLintptr offset, GLsizeiptr size)
-{
-    s_calls++;
-    s_real.BindBufferRange(target, index, buffer, offset, size);
-}
-
 static void APIENTRY UseProgram(GLuint program)
 {
     s_calls++;
@@ -32,22 +26,16 @@ static void APIENTRY DispatchCompute(GLuint x, GLuint y, GLuint z)
     s_real.DispatchCompute(x, y, z);
 }
 
-static void APIENTRY DispatchComputeIndirect(GLintptr at)
-{
-    s_calls++;
-    s_real.DispatchComputeIndirect(at);
-}
-
 static void APIENTRY MemoryBarrier(GLbitfield barriers)
 {
     s_calls++;
     s_real.MemoryBarrier(barriers);
 }
 
-static void APIENTRY CopyBufferSubData(GLenum source, GLenum target, GLintptr from, GLintptr to, GLsizeiptr size)
+static void APIENTRY BufferSubData(GLenum target, GLintptr at, GLsizeiptr size, const void* data)
 {
     s_calls++;
-    s_real.CopyBufferSubData(source, target, from, to, size);
+    s_real.BufferSubData(target, at, size, data);
 }
 
 static GLsync APIENTRY FenceSync(GLenum condition, GLbitfield flags)
@@ -87,12 +75,10 @@ static void MakeCounting(struct qcGlFunctions* gl)
 #define REPLACE(Type, Name) gl->Name = (Type)(qcGlFunction*)CallUnexpected;
     QC_GL_FUNCTIONS(REPLACE)
 #undef REPLACE
-    gl->BindBufferRange = BindBufferRange;
     gl->UseProgram = UseProgram;
     gl->DispatchCompute = DispatchCompute;
-    gl->DispatchComputeIndirect = DispatchComputeIndirect;
     gl->MemoryBarrier = MemoryBarrier;
-    gl->CopyBufferSubData = CopyBufferSubData;
+    gl->BufferSubData = BufferSubData;
     gl->FenceSync = FenceSync;
     gl->ClientWaitSync = ClientWaitSync;
     gl->DeleteSync = DeleteSync;

@@ -69,13 +69,6 @@ static void APIENTRY Dispatch(GLuint x, GLuint y, GLuint z)
         s_real.DispatchCompute(x, y, z);
 }
 
-static void APIENTRY DispatchIndirect(GLintptr at)
-{
-    s_dropCount += s_drops;
-    if (!s_drops)
-        s_real.DispatchComputeIndirect(at);
-}
-
 static GLsync APIENTRY EndRun(GLenum condition, GLbitfield flags)
 {
     s_drops = false;
@@ -98,7 +91,6 @@ static void MakeImporting(struct qcGlFunctions* gl)
     gl->BufferStorageMem = MakeStorage;
     gl->GetError = GetPendingError;
     gl->DispatchCompute = Dispatch;
-    gl->DispatchComputeIndirect = DispatchIndirect;
     gl->FenceSync = EndRun;
 }
 

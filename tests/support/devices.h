@@ -41,6 +41,13 @@ static inline bool qcDevicesRefine(void)
     return refinement != NULL && strcmp(refinement, "device") == 0;
 }
 
+/// Whether the processor refines the image of `layers`, which is made for it alone.
+static inline bool qcHasImage(qcDevice* device)
+{
+    qcDeviceInfo info;
+    return qcDevice_GetInfo(device, &info) == qc_statusOk && info.software && !qcDevicesRefine();
+}
+
 /// Whether a device is left out, after those that have opened: osmesa and surfaceless have the same rasterizer and
 /// compiler, and where QC_ONE_RASTERIZER is set the short form uses the first of them that opens.
 static inline bool qcIsLeftOut(int device, const bool opened[qc_testDeviceCount + 1])

@@ -117,13 +117,25 @@ static qcStatus OpenDevice(qcCullLayers* cull, qcDevice* device)
     return qc_statusOk;
 }
 
-/// The device's pairs as candidate keys.
-static qcStatus TakePairs(const qcLayersAnswer* answer, qcArray* keys)
+/// The device's pairs as candidate keys. Pairs that surely intersect need no exact test.
+static qcStatus TakePairs(const Step* step, const qcLayersAnswer* answer, const qcPairKeys* keys)
 {
-    size_t at = keys->count;
-    QC_TRY(qcArray_Resize(keys, at + answer->pairCount, sizeof(uint64_t), "candidates"));
-    for (size_t i = 0; i < answer->pairCount; i++)
-        QC_AT(uint64_t, *keys, at + i) = qcStepTriangles_Key(answer->pairs[2 * i], answer->pairs[2 * i + 1]);
+    qcArray* arrays[] = {keys->keys, keys->classified, keys->contactKeys};
+    for (int i = 0; i < 3; i++)
+        QC_TRY(qcArray_Reserve(arrays[i], arrays[i]->count + answer->pairCount, sizeof(uint64_t), "candidates"));
+    bool listClassified = step->job->listClassified;
+    for (const uint32_t* pair = answer->pairs; pair < answer->pairs + 2 * answer->pairCount; pair += 2)
+    {
+        uint64_t key = qcStepTriangles_Key(pair[0] & ~QC_SURE_PAIR, pair[1]);
+        bool isSure = (pair[0] & QC_SURE_PAIR) != 0;
+        if (!isSure)
+            QC_AT(uint64_t, *keys->keys, keys->keys->count++) = key;
+        else
+            QC_AT(uint64_t, *keys->classified, keys->classified->count++) =
+                qcRelatedPair_Make(key, qc_relationPenetrating);
+        if (isSure && listClassified)
+            QC_AT(uint64_t, *keys->contactKeys, keys->contactKeys->count++) = key;
+    }
     return qc_statusOk;
 }
 
@@ -259,8 +271,9 @@ static qcStatus TryDevice(Step* step, const qcPairKeys* keys, qcProfile* profile
     QC_TRY(qcGpuResidency_Prepare(&residencyJob, &cull->residency));
     qcLayersStep device = {.testNeighbours = job->testNeighbours, .timed = job->timed};
     qcGpuResidency_FillStep(&cull->residency, &cull->frame, &device);
-    qcGridResolution_Choose(&cull->residency, job->triangles, &cull->frame, cull->bodyOf.data, job->columns,
-                            &cull->gridSamples, device.cellsLog2);
+    if (cull->residency.imageOnly)
+        qcGridResolution_Choose(&cull->residency, job->triangles, &cull->frame, cull->bodyOf.data, job->columns,
+                                &cull->gridSamples, device.cellsLog2);
     qcLayersMemory memory;
     QC_TRY(qcLayers_Open(cull->layers, &device, &memory));
     qcGpuResidency_WriteVertices(&residencyJob, &cull->residency, &memory);
@@ -268,7 +281,7 @@ static qcStatus TryDevice(Step* step, const qcPairKeys* keys, qcProfile* profile
     device.started = Now(job);
     QC_TRY(qcLayers_Run(cull->layers, &device, &answer));
     double answered = Now(job);
-    QC_TRY(cull->residency.imageOnly ? Refine(step, &device, &answer, keys) : TakePairs(&answer, keys->keys));
+    QC_TRY(cull->residency.imageOnly ? Refine(step, &device, &answer, keys) : TakePairs(step, &answer, keys));
     FillProfile(step, &device, &answer, profile);
     FillTimes(step, &answer, device.started, answered, profile);
     return qc_statusOk;

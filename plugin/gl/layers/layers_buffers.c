@@ -24,35 +24,43 @@ static const BufferShape s_shapes[qc_layersBufferCount] = {
     [qc_layersNodes] = {"nodes", 16, GL_RGBA32UI, {0, 0}},
     [qc_layersLinks] = {"links", 8, GL_RG32UI, {0, 0}},
     [qc_layersTables] = {"tables", 8, GL_RG32UI, {0, 0}},
-    [qc_workBoxes] = {"boxes", 16, GL_RGBA32UI, {0, READ}},
+    [qc_workBoxes] = {NULL, 16, 0, {0, READ}},
     [qc_workClusterBoxes] = {"clusterBoxes", 16, GL_RGBA32UI, {0, 0}},
     [qc_workNodeBoxes] = {NULL, 16, 0, {0, READ}},
-    [qc_workEntries] = {"entries", 16, GL_RGBA32UI, {0, READ}},
-    [qc_workNodePairs] = {"nodePairs", 8, GL_RG32UI, {0, 0}},
+    [qc_workEntries] = {NULL, 16, 0, {0, READ}},
+    [qc_workNodePairs] = {NULL, 16, 0, {0, 0}},
     [qc_workResults] = {NULL, 8, 0, {READ, 0}},
     [qc_workLists] = {NULL, 4, 0, {0, READ_AND_WRITE}},
+    [qc_workStep] = {NULL, 4, 0, {0, 0}},
 };
 
 enum
 {
     qc_storageBindings = 8, // as many as GL 4.3 guarantees
-    qc_streamBinding = -1
+    qc_stream = -1
 };
 
 /// Buffers of the storage blocks, for pairs and for the image. The source of floats is the stream, too.
-static const int s_bindings[2][qc_storageBindings] = {
-    {qc_workLists, qc_layersVertices, qc_workBoxes, qc_streamBinding, qc_workEntries, qc_workNodePairs, qc_workResults,
-     qc_streamBinding},
-    {qc_workLists, qc_layersVertices, qc_workBoxes, qc_streamBinding, qc_workEntries, qc_workClusterBoxes,
-     qc_workNodeBoxes, qc_streamBinding}};
+static const int s_bindings[2][qc_storageBindings] = {{qc_workLists, qc_layersVertices, qc_workBoxes, qc_stream,
+                                                       qc_workStep, qc_workNodePairs, qc_workResults, qc_stream},
+                                                      {qc_workLists, qc_layersVertices, qc_workBoxes, qc_stream,
+                                                       qc_workEntries, qc_workClusterBoxes, qc_workNodeBoxes,
+                                                       qc_stream}};
 
-const char* qcLayersBuffers_SamplerName(const qcLayersBuffers* b, int buffer)
+const char* qcLayersBuffers_SamplerName(int buffer)
 {
-    bool isGroup = b->imageOnly && buffer == qc_workBoxes;
-    return isGroup ? NULL : s_shapes[buffer].sampler;
+    return s_shapes[buffer].sampler;
 }
 
-void qcLayersBuffers_Create(const struct qcGlFunctions* gl, qcLayersBuffers* b)
+static qcStatus CheckError(const struct qcGlFunctions* gl, const char* moment)
+{
+    GLenum error = gl->GetError();
+    return error == GL_NO_ERROR
+               ? qc_statusOk
+               : qcFail(qc_statusDevice, "layers: %s: %s (0x%x)", moment, qcGl_ErrorName(error), error);
+}
+
+qcStatus qcLayersBuffers_Create(const struct qcGlFunctions* gl, qcLayersBuffers* b)
 {
     // 64 bits: the limits of some GPUs are 2^31 and more.
     GLint64 bytes = 0, texels = 0;
@@ -63,20 +71,17 @@ void qcLayersBuffers_Create(const struct qcGlFunctions* gl, qcLayersBuffers* b)
     b->persistent = gl->BufferStorage != NULL;
     gl->GenBuffers(qc_layersBufferCount, b->buffers);
     gl->GenTextures(qc_layersBufferCount, b->textures);
+    gl->GenBuffers(1, &b->parameters);
+    gl->BindBuffer(GL_UNIFORM_BUFFER, b->parameters);
+    gl->BufferData(GL_UNIFORM_BUFFER, qc_parameterBytes, NULL, GL_DYNAMIC_DRAW);
+    return CheckError(gl, "no memory for parameters on the device");
 }
 
 void qcLayersBuffers_Delete(const struct qcGlFunctions* gl, const qcLayersBuffers* b)
 {
     gl->DeleteTextures(qc_layersBufferCount, b->textures);
     gl->DeleteBuffers(qc_layersBufferCount, b->buffers);
-}
-
-static qcStatus CheckError(const struct qcGlFunctions* gl, const char* moment)
-{
-    GLenum error = gl->GetError();
-    return error == GL_NO_ERROR
-               ? qc_statusOk
-               : qcFail(qc_statusDevice, "layers: %s: %s (0x%x)", moment, qcGl_ErrorName(error), error);
+    gl->DeleteBuffers(1, &b->parameters);
 }
 
 qcStatus qcLayersBuffers_Allocate(const struct qcGlFunctions* gl, size_t bytes, GLbitfield mapping, void** mapped)
@@ -107,7 +112,7 @@ static void BindTexture(const struct qcGlFunctions* gl, const qcLayersBuffers* b
 qcStatus qcLayersBuffers_Resize(const struct qcGlFunctions* gl, qcLayersBuffers* b, int buffer, size_t count)
 {
     const BufferShape* shape = &s_shapes[buffer];
-    const char* sampler = qcLayersBuffers_SamplerName(b, buffer);
+    const char* sampler = qcLayersBuffers_SamplerName(buffer);
     size_t bytes = count * shape->elementSize;
     if (bytes > b->maxBytes || (sampler != NULL && count > b->maxTexels))
         return qcFail(qc_statusDevice, "layers: %zu %s are more than the device's buffers hold", count,
@@ -156,17 +161,13 @@ size_t qcLayersBuffers_Upload(const struct qcGlFunctions* gl, const qcLayersBuff
 void qcLayersBuffers_BindAll(const struct qcGlFunctions* gl, const qcLayersBuffers* b, GLuint stream)
 {
     for (int buffer = 0; buffer < qc_layersBufferCount; buffer++)
-        if (qcLayersBuffers_SamplerName(b, buffer) != NULL)
+        if (qcLayersBuffers_SamplerName(buffer) != NULL)
             BindTexture(gl, b, buffer);
     gl->ActiveTexture(GL_TEXTURE0);
     const int* bindings = s_bindings[b->imageOnly];
     for (GLuint i = 0; i < qc_storageBindings; i++)
-        gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, i,
-                           bindings[i] == qc_streamBinding ? stream : b->buffers[bindings[i]]);
-    gl->BindBufferRange(GL_UNIFORM_BUFFER, 0, stream, 0, qc_parameterBytes);
-    gl->BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, b->buffers[qc_workLists]);
-    gl->BindBuffer(GL_COPY_READ_BUFFER, b->buffers[qc_workLists]);
-    gl->BindBuffer(GL_COPY_WRITE_BUFFER, b->buffers[qc_workResults]);
+        gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, i, bindings[i] == qc_stream ? stream : b->buffers[bindings[i]]);
+    gl->BindBufferBase(GL_UNIFORM_BUFFER, 0, b->parameters);
 }
 
 const void* qcLayersBuffers_Read(const struct qcGlFunctions* gl, qcLayersBuffers* b, int buffer)

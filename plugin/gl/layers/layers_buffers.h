@@ -9,14 +9,18 @@
 /// Buffers that the kernels fill; they follow the inputs, qcLayersBuffer.
 typedef enum qcLayersWork
 {
-    /// qc_boxesOfNode a node: triangles, clusters, the node; for the image only: qcBox8, a cluster each
+    /// qc_boxesOfNode a node: triangles, clusters, the node; then one an active node. For the image: qcBox8, a cluster
+    /// each
     qc_workBoxes = qc_layersInputCount,
     qc_workClusterBoxes, ///< for the image only
     qc_workNodeBoxes,    ///< for the image only: of all nodes, then a qcBox8 a node, boxes of its clusters
-    qc_workEntries,      ///< qcLayersEntry
+    qc_workEntries,      ///< for the image only: qcLayersEntry
     qc_workNodePairs,
-    qc_workResults, ///< a copy of the counters, then slots of two triangles each
-    qc_workLists,   ///< qc_counterWords of counters, then by cell its first entry
+    qc_workResults, ///< a copy of the counters, then two triangles each
+                    /// qc_counterWords of counters, then for the image by cell its first entry, for pairs by tile its
+                    /// box
+    qc_workLists,
+    qc_workStep, ///< for pairs: a copy of the step's bodies and active nodes
     qc_layersBufferCount
 } qcLayersWork;
 
@@ -25,8 +29,13 @@ enum
     qc_boxesOfNode = 73,
     qc_texelsOfImageNode = 7, ///< of qc_workNodeBoxes
     qc_counterWords = 128,
-    qc_parameterBytes = 256, ///< room for qcLayersParameters at the start of a step's data
-    qc_sourceBinding = 3     ///< storage block of the kernels that reads floats: the stream, or a qcLayersSource
+    qc_tileNodes = 64, ///< active nodes of a tile
+    qc_tileWords = 8,
+    qc_parameterBytes = 256,
+    // Storage blocks of the kernels.
+    qc_sourceBinding = 3, ///< floats: the stream, or a qcLayersSource
+    qc_copyBinding = 4,   ///< qc_workStep
+    qc_streamBinding = 7
 };
 
 typedef struct qcLayersBuffers
@@ -34,6 +43,7 @@ typedef struct qcLayersBuffers
     bool imageOnly;
     bool persistent; ///< GL has persistent storage
     GLuint buffers[qc_layersBufferCount], textures[qc_layersBufferCount];
+    GLuint parameters;                     ///< the uniform block: qcLayersParameters
     size_t capacity[qc_layersBufferCount]; ///< elements
     void* mapped[qc_layersBufferCount];    ///< null: is not mapped
     size_t maxBytes;                       ///< of a buffer that a kernel reads
@@ -41,11 +51,11 @@ typedef struct qcLayersBuffers
 } qcLayersBuffers;
 
 /// `imageOnly` has been set.
-void qcLayersBuffers_Create(const struct qcGlFunctions* gl, qcLayersBuffers* b);
+qcStatus qcLayersBuffers_Create(const struct qcGlFunctions* gl, qcLayersBuffers* b);
 void qcLayersBuffers_Delete(const struct qcGlFunctions* gl, const qcLayersBuffers* b);
 
 /// Name of the sampler of a buffer in the kernels; null: it has none.
-const char* qcLayersBuffers_SamplerName(const qcLayersBuffers* b, int buffer);
+const char* qcLayersBuffers_SamplerName(int buffer);
 
 /// Resizes a buffer to exactly `count` elements; its content is lost, and so are all bindings. qc_statusDevice names
 /// the limit or the error.
@@ -55,7 +65,7 @@ qcStatus qcLayersBuffers_Reserve(const struct qcGlFunctions* gl, qcLayersBuffers
 
 /// Returns the number of bytes uploaded.
 size_t qcLayersBuffers_Upload(const struct qcGlFunctions* gl, const qcLayersBuffers* b, const qcLayersUpload* upload);
-/// Binds all buffers and samplers. `stream`: the buffer of the steps' data, parameters first.
+/// Binds all buffers and samplers. `stream`: the buffer of the steps' data.
 void qcLayersBuffers_BindAll(const struct qcGlFunctions* gl, const qcLayersBuffers* b, GLuint stream);
 /// The content, for reading; null: GL failed. Where nothing is persistent, it is mapped until UnmapAll.
 const void* qcLayersBuffers_Read(const struct qcGlFunctions* gl, qcLayersBuffers* b, int buffer);

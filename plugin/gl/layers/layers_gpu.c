@@ -1,7 +1,7 @@
-// `layers` on the device: compute kernels from vertices to pairs of triangles. The image keeps, for each pixel and
-// slice of depth, a list of the nodes that cover it, and pairs are searched within a list. After per-pixel linked lists
-// (Yang et al.: Real-Time Concurrent Linked List Construction on the GPU, 2010). A step is one submission and one wait.
-// The README.md of this room lists the kernels. Proof that no pair is lost: plugin/docs/proofs/layers.md.
+// `layers` on the device: compute kernels from vertices to pairs of triangles, or to the image, which keeps for each
+// pixel and slice of depth a list of the nodes that cover it (after Yang et al.: Real-Time Concurrent Linked List
+// Construction on the GPU, 2010). A step is one submission and one wait. The README.md of this room lists the kernels.
+// Proof that no pair is lost: plugin/docs/proofs/layers.md.
 #include "gl/layers/layers_gpu.h"
 
 #include "base/clock.h"
@@ -13,30 +13,33 @@
 #include "base/status.h"
 
 #include <assert.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
 enum
 {
-    // A node's number of cells is below 2^25, and so is a pair of nodes' number of survivors: no counter overflows
-    // before its kernel notices.
+    // A node's number of cells is below 2^25, and so is the number of survivors of a pair of nodes: no counter
+    // overflows before its kernel notices.
     qc_maxItems = 1 << 25,
     qc_maxReruns = 64,
     // Calls for each job in device.c, beside those that are counted here: errors, and the context's state.
     qc_callsOfJob = 2,
-    // Words that an invocation of the first kernel resets.
-    qc_resetShare = 8
+    // Words that an invocation of the first kernel resets or copies.
+    qc_resetShare = 8,
+    // Workgroups of the last kernel: a GPU of 132 multiprocessors runs as many at a time. More where each would have
+    // so many pairs of nodes that an implementation could stop its loops.
+    qc_trianglePairGroups = 4096,
+    qc_maxNodePairsOfGroup = 64
 };
 
 /// A device that needs more is lost.
 static const GLuint64 s_maxWait = 10000000000u;
 
-/// The lists whose items are counted. Lists 0 and 1 are the input of kernels qc_kernelNodePairs + i.
+/// The lists whose items are counted.
 typedef enum List
 {
-    list_entries,
-    list_nodePairs,
+    list_entries,   ///< for the image
+    list_nodePairs, ///< for pairs, and all that follow
     list_survivors,
     list_count
 } List;
@@ -51,7 +54,7 @@ static const int s_kernelParts[qc_kernelCount] = {qc_partVertices, qc_partBoxes,
 /// A counter as the kernels define it (common.glsl), on a cache line of its own.
 typedef struct Counter
 {
-    uint32_t count, groups[3], unused[12]; ///< groups: for a list, the workgroups of the kernel that reads it
+    uint32_t count, unused[15];
 } Counter;
 
 typedef struct Counters
@@ -80,9 +83,8 @@ static qcStatus CreateObjects(const struct qcGlFunctions* gl, void* context)
 {
     qcLayers* layers = context;
     layers->kernels.imageOnly = layers->buffers.imageOnly = layers->imageOnly;
-    QC_TRY(qcLayersKernels_Create(gl, &layers->kernels, &layers->buffers));
-    qcLayersBuffers_Create(gl, &layers->buffers);
-    return qc_statusOk;
+    QC_TRY(qcLayersKernels_Create(gl, &layers->kernels));
+    return qcLayersBuffers_Create(gl, &layers->buffers);
 }
 
 bool qcLayers_IsAlive(const qcLayers* layers)
@@ -110,22 +112,35 @@ static qcStatus DeleteObjects(const struct qcGlFunctions* gl, void* context)
 /// Words from the start of a step's data.
 typedef struct Places
 {
-    size_t bodies, nodes, chunks, floats, end;
+    size_t nodes, chunks, floats, end; ///< bodies are the first
 } Places;
 
 static Places FindPlaces(const qcLayersStep* step)
 {
-    Places p = {.bodies = qc_parameterBytes / sizeof(uint32_t)};
-    p.nodes = p.bodies + step->bodyCount * (sizeof(qcLayersBody) / sizeof(uint32_t));
+    Places p = {.nodes = step->bodyCount * (sizeof(qcLayersBody) / sizeof(uint32_t))};
     p.chunks = p.nodes + step->activeCount;
     p.floats = p.chunks + step->chunkCount * (sizeof(qcLayersChunk) / sizeof(uint32_t));
     p.end = p.floats + step->floatCount;
     return p;
 }
 
-static uint32_t CellCount(const qcLayersStep* step)
+static uint32_t TileCount(const qcLayersStep* step)
 {
-    return 1u << (step->cellsLog2[0] + step->cellsLog2[1] + step->cellsLog2[2]);
+    return (step->activeCount + qc_tileNodes - 1) / qc_tileNodes;
+}
+
+/// Tiles that a workgroup compares with one: few, so that many workgroups run at a time.
+static uint32_t TilesOfGroup(uint32_t tiles)
+{
+    uint32_t count = (tiles + qc_tileNodes - 1) / qc_tileNodes;
+    return count < qc_tileNodes ? count : qc_tileNodes;
+}
+
+/// Words of qc_workLists behind the counters.
+static uint32_t ListWords(const qcLayers* layers, const qcLayersStep* step)
+{
+    return layers->imageOnly ? 1u << (step->cellsLog2[0] + step->cellsLog2[1] + step->cellsLog2[2])
+                             : TileCount(step) * qc_tileWords;
 }
 
 /// Chunks whose floats lie in the stream.
@@ -140,7 +155,7 @@ static uint32_t OwnChunkCount(const qcLayersStep* step)
 /// Bytes that the processor writes for a step, beside its uploads and parameters.
 static size_t StepBytes(const qcLayersStep* step)
 {
-    return FindPlaces(step).end * sizeof(uint32_t) - qc_parameterBytes + step->vertexCount * sizeof(qcPoint);
+    return FindPlaces(step).end * sizeof(uint32_t) + step->vertexCount * sizeof(qcPoint);
 }
 
 /// The number of items that a list holds.
@@ -150,7 +165,7 @@ static uint32_t ListCapacity(const qcLayers* layers, List list)
     return capacity > s_reserved[list] ? (uint32_t)(capacity - s_reserved[list]) : 0;
 }
 
-static void WriteParameters(const qcLayers* layers)
+static void UploadParameters(const struct qcGlFunctions* gl, const qcLayers* layers)
 {
     const qcLayersStep* step = &layers->step;
     Places p = FindPlaces(step);
@@ -161,11 +176,12 @@ static void WriteParameters(const qcLayers* layers)
                                  .entryCapacity = ListCapacity(layers, list_entries),
                                  .nodePairCapacity = ListCapacity(layers, list_nodePairs),
                                  .survivorCapacity = ListCapacity(layers, list_survivors),
-                                 .cellCount = CellCount(step),
-                                 .bodiesAt = (uint32_t)p.bodies,
+                                 .listWords = ListWords(layers, step),
                                  .nodesAt = (uint32_t)p.nodes,
                                  .chunksAt = (uint32_t)p.chunks,
                                  .floatsAt = (uint32_t)p.floats,
+                                 .nodeBoxesAt = (uint32_t)(qc_boxesOfNode * step->capacity[qc_layersNodes]),
+                                 .tilesOfGroup = TilesOfGroup(TileCount(step)),
                                  .testNeighbours = step->testNeighbours,
                                  .pointError = step->pointError,
                                  .queryDistance = step->queryDistance,
@@ -179,7 +195,7 @@ static void WriteParameters(const qcLayers* layers)
     }
     memcpy(values.scale, step->scale, sizeof values.scale);
     memcpy(values.slack, step->slack, sizeof values.slack);
-    memcpy(qcLayersStream_Data(&layers->stream), &values, sizeof values);
+    qcGl_Counted(gl)->BufferSubData(GL_UNIFORM_BUFFER, 0, sizeof values, &values);
 }
 
 static void WriteStep(const qcLayers* layers)
@@ -187,7 +203,7 @@ static void WriteStep(const qcLayers* layers)
     const qcLayersStep* step = &layers->step;
     Places p = FindPlaces(step);
     uint32_t* words = (uint32_t*)(void*)qcLayersStream_Data(&layers->stream);
-    memcpy(words + p.bodies, step->bodies, step->bodyCount * sizeof(qcLayersBody));
+    memcpy(words, step->bodies, step->bodyCount * sizeof(qcLayersBody));
     memcpy(words + p.nodes, step->activeNodes, step->activeCount * sizeof(uint32_t));
     if (step->chunkCount != 0)
         memcpy(words + p.chunks, step->chunks, step->chunkCount * sizeof(qcLayersChunk));
@@ -229,10 +245,10 @@ qcStatus qcLayers_Open(qcLayers* layers, const qcLayersStep* step, qcLayersMemor
 
 //  ---- kernels -----------------------------------------------------------------------------------------------------
 
-/// The number of lists, up to the one with the result.
-static int ListCount(const qcLayers* layers)
+/// Whether the step fills a list.
+static bool HasList(const qcLayers* layers, int list)
 {
-    return layers->imageOnly ? list_entries + 1 : list_count;
+    return layers->imageOnly == (list == list_entries);
 }
 
 static uint32_t CountOf(const qcLayers* layers, List list)
@@ -243,14 +259,6 @@ static uint32_t CountOf(const qcLayers* layers, List list)
 static void Run(const struct qcGlFunctions* gl, qcLayers* layers, qcLayersKernel kernel, uint64_t groups)
 {
     qcLayersKernels_Run(gl, &layers->kernels, kernel, groups);
-    qcGlTimers_Mark(gl, &layers->timers, s_kernelParts[kernel]);
-}
-
-/// Runs the kernel that reads a list. The number of items stays on the device.
-static void RunOn(const struct qcGlFunctions* gl, qcLayers* layers, List list)
-{
-    qcLayersKernel kernel = (qcLayersKernel)(qc_kernelNodePairs + (int)list);
-    qcLayersKernels_RunIndirect(gl, &layers->kernels, kernel, list * sizeof(Counter) + offsetof(Counter, groups));
     qcGlTimers_Mark(gl, &layers->timers, s_kernelParts[kernel]);
 }
 
@@ -269,23 +277,31 @@ static void RunSources(const struct qcGlFunctions* gl, qcLayers* layers)
         qcGl_Counted(gl)->BindBufferBase(GL_SHADER_STORAGE_BUFFER, qc_sourceBinding, layers->stream.buffer);
 }
 
-/// New vertices into the frame; empty lists.
+/// New vertices into the frame; empty lists; for pairs, a copy of the step's data.
 static void RunVertices(const struct qcGlFunctions* gl, qcLayers* layers)
 {
     const qcLayersStep* step = &layers->step;
     void* lists = layers->buffers.mapped[qc_workLists];
-    size_t words = qc_counterWords + (size_t)CellCount(step);
+    size_t words = qc_counterWords + (size_t)ListWords(layers, step), copied = FindPlaces(step).chunks;
+    words = copied > words && !layers->imageOnly ? copied : words;
     uint64_t chunks = OwnChunkCount(step), share = (uint64_t)qc_layersChunkSize * qc_resetShare;
     uint64_t groups = (words + share - 1) / share;
     if (qcLayers_SharesVertices(layers) && step->chunkCount == 0)
     {
         memset(lists, 0, qc_counterWords * sizeof(uint32_t));
-        memset((uint32_t*)lists + qc_counterWords, 0xff, CellCount(step) * sizeof(uint32_t));
+        memset((uint32_t*)lists + qc_counterWords, 0xff, ListWords(layers, step) * sizeof(uint32_t));
         qcGlTimers_Mark(gl, &layers->timers, qc_partUpload);
         return;
     }
     Run(gl, layers, qc_kernelVertices, chunks > groups ? chunks : groups);
     RunSources(gl, layers);
+}
+
+static uint64_t TrianglePairGroups(const qcLayers* layers)
+{
+    uint64_t capacity = ListCapacity(layers, list_nodePairs), least = capacity / qc_maxNodePairsOfGroup + 1,
+             groups = capacity < qc_trianglePairGroups ? capacity : qc_trianglePairGroups;
+    return groups > least ? groups : least;
 }
 
 static void RunKernels(const struct qcGlFunctions* gl, qcLayers* layers)
@@ -299,10 +315,10 @@ static void RunKernels(const struct qcGlFunctions* gl, qcLayers* layers)
         Run(gl, layers, qc_kernelImageNodes, (step->activeCount + UINT64_C(15)) / 16);
         return;
     }
+    uint64_t tiles = TileCount(step), share = TilesOfGroup((uint32_t)tiles);
     Run(gl, layers, qc_kernelNodes, step->activeCount);
-    RunOn(gl, layers, list_entries);
-    RunOn(gl, layers, list_nodePairs);
-    qcGl_Counted(gl)->CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, sizeof(Counters));
+    Run(gl, layers, qc_kernelNodePairs, share == 0 ? 0 : tiles * ((tiles + share - 1) / share));
+    Run(gl, layers, qc_kernelTrianglePairs, TrianglePairGroups(layers));
 }
 
 /// Submits a run: all kernels, and a fence behind them. May be repeated.
@@ -310,10 +326,10 @@ static void Submit(const struct qcGlFunctions* gl, qcLayers* layers)
 {
     layers->runNumber++;
     qcLayersBuffers_UnmapAll(gl, &layers->buffers);
-    WriteParameters(layers);
     qcLayersStream_Submit(gl, &layers->stream, FindPlaces(&layers->step).end * sizeof(uint32_t));
     if (gl->programs->bound != layers)
         qcLayersBuffers_BindAll(gl, &layers->buffers, layers->stream.buffer);
+    UploadParameters(gl, layers);
     qcGlTimers_Mark(gl, &layers->timers, qc_partUpload);
     RunKernels(gl, layers);
     layers->fence = qcGl_Counted(gl)->FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
@@ -330,15 +346,16 @@ static qcStatus ReserveAll(const struct qcGlFunctions* gl, qcLayers* layers)
     bool imageOnly = layers->imageOnly;
     for (int buffer = 0; buffer < qc_layersInputCount; buffer++)
         QC_TRY(qcLayersBuffers_Reserve(gl, b, buffer, step->capacity[buffer]));
-    QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workBoxes, imageOnly ? 48 * nodes : qc_boxesOfNode * nodes));
+    QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workBoxes, imageOnly ? 48 * nodes : (qc_boxesOfNode + 1) * nodes));
     QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workClusterBoxes, imageOnly ? 8 * nodes : 0));
     QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workNodeBoxes, imageOnly ? qc_texelsOfImageNode * nodes : 0));
-    QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workLists, qc_counterWords + (size_t)CellCount(step)));
+    QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workLists, qc_counterWords + (size_t)ListWords(layers, step)));
+    QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workStep, imageOnly ? 0 : FindPlaces(step).chunks));
     // Items per node that a folded cloth needs; a scene that needs more takes one more run.
     static const size_t s_itemsPerNode[list_count] = {4, 12, 8};
     for (int list = 0; list < list_count; list++)
         QC_TRY(qcLayersBuffers_Reserve(gl, b, s_lists[list],
-                                       list < ListCount(layers) ? s_itemsPerNode[list] * nodes + 128 : 0));
+                                       HasList(layers, list) ? s_itemsPerNode[list] * nodes + 128 : 0));
     return qc_statusOk;
 }
 
@@ -386,9 +403,11 @@ static qcStatus GrowLists(const struct qcGlFunctions* gl, qcLayers* layers, bool
     if (layers->counters.stopped.count != 0)
         return qcFail(qc_statusDevice,
                       "layers: a cell's list, a node's cells or its links are more than the device's loops do");
-    for (int list = 0; list < ListCount(layers); list++)
+    for (int list = 0; list < list_count; list++)
     {
         uint32_t count = CountOf(layers, (List)list);
+        if (!HasList(layers, list))
+            continue;
         if (count > qc_maxItems || layers->counters.overflow.count != 0)
             return qcFail(qc_statusDevice, "layers: more than %d pairs in one list", qc_maxItems);
         if (count <= ListCapacity(layers, (List)list))

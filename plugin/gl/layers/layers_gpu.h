@@ -1,7 +1,8 @@
 // The device's part of `layers`: from vertices to pairs of triangles that may be within the query distance.
-// The image is a grid of pixels over two axes, each cut into slices of depth. Each cell has a list of the nodes (64
-// triangles) that cover it. Nodes that share a cell and overlap are refined to clusters (8) and triangles: by the
-// device or, where that is the processor itself, by cull/layers/cpu_refine.h.
+// A GPU compares the boxes of all nodes (64 triangles) in tiles, and refines nodes that overlap to clusters (8) and
+// triangles. Where the device is the processor itself, it makes the image: a grid of pixels over two axes, each cut
+// into slices of depth; each cell has a list of the nodes that cover it, and cull/layers/cpu_refine.h refines the
+// lists.
 #ifndef QC_GL_LAYERS_LAYERS_GPU_H
 #define QC_GL_LAYERS_LAYERS_GPU_H
 
@@ -85,7 +86,7 @@ typedef enum qcLayersPart
     qc_partUpload,
     qc_partVertices, ///< into the frame; resets the lists
     qc_partBoxes,    ///< for the image only
-    qc_partNodes,    ///< boxes of nodes, and the cells they cover
+    qc_partNodes,    ///< boxes of nodes; for the image: the cells they cover
     qc_partNodePairs,
     qc_partTrianglePairs,
     qc_partWait,     ///< for the device; maps its results
@@ -139,6 +140,8 @@ typedef struct qcLayersMemory
 } qcLayersMemory;
 
 #define QC_NO_ENTRY UINT32_MAX
+/// Indices of a step's triangles are below it: qc_maxStepTriangles.
+#define QC_SURE_PAIR (UINT32_C(1) << 31)
 
 /// A node in one cell's list.
 typedef struct qcLayersEntry
@@ -158,7 +161,9 @@ typedef struct qcLayersImage
 
 typedef struct qcLayersAnswer
 {
-    const uint32_t* pairs; ///< two triangles of the step each, in no order; valid until the next step
+    /// Two triangles of the step each, in no order; the first plus QC_SURE_PAIR where the interiors surely intersect.
+    /// Valid until the next step.
+    const uint32_t* pairs;
     size_t pairCount;
     qcLayersImage image; ///< instead of pairs with `imageOnly`; valid until the next step
     uint64_t entries;

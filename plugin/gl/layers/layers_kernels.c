@@ -20,49 +20,54 @@ static const KernelShape s_shapes[qc_kernelCount] = {
     [qc_kernelImageBoxes] = {"layers, groups", s_layersImageBoxes, 64, true, false},
     [qc_kernelImageNodes] = {"layers, nodes and groups", s_layersImageNodes, 16, true, false},
     [qc_kernelNodes] = {"layers, nodes", s_layersNodes, 64, false, true},
-    [qc_kernelNodePairs] = {"layers, node pairs", s_layersNodePairs, 32, false, true},
+    [qc_kernelNodePairs] = {"layers, node pairs", s_layersNodePairs, 256, false, true},
     [qc_kernelTrianglePairs] = {"layers, triangle pairs", s_layersTrianglePairs, 64, false, true},
 };
 // As the shaders' uniform block Step has them (std140).
 _Static_assert(offsetof(qcLayersParameters, origin) == 128 && sizeof(qcLayersParameters) == 160, "the layout std140");
 _Static_assert(sizeof(qcLayersParameters) <= qc_parameterBytes, "room for the parameters");
 
-/// The constants of a program, as its first source. A list's consumer takes this many items in a workgroup.
-static void WriteConstants(char* text, size_t size, const KernelShape* shape)
+/// The constants of a program, as its first source.
+static void WriteConstants(char* text, size_t size, int kernel, bool imageOnly)
 {
-    snprintf(text, size,
-             "#version 430 core\n#define BODY_WORDS %zuu\n#define GROUPS_IN_ROW %du\n#define LOCAL_SIZE %d\n"
-             "#define CONSUMER_SIZES uint[2](%du, 1u)\n#define COUNTER_WORDS %du\n#define BOXES_OF_NODE %d\n",
-             sizeof(qcLayersBody) / sizeof(uint32_t), qc_groupsInRow, shape->localSize,
-             s_shapes[qc_kernelNodePairs].localSize, qc_counterWords, qc_boxesOfNode);
+    // For pairs the first kernel copies the step's data for the others.
+    bool copies = !imageOnly && kernel == qc_kernelVertices, readsCopy = !imageOnly && !copies;
+    int length =
+        snprintf(text, size,
+                 "#version 430 core\n#define BODY_WORDS %zuu\n#define LOCAL_SIZE %du\n"
+                 "#define COUNTER_WORDS %du\n#define BOXES_OF_NODE %d\n#define STEP_BINDING %d\n"
+                 "#define EMPTY_LIST %s\n",
+                 sizeof(qcLayersBody) / sizeof(uint32_t), s_shapes[kernel].localSize, qc_counterWords, qc_boxesOfNode,
+                 readsCopy ? qc_copyBinding : qc_streamBinding, imageOnly ? "none" : "highestLevel");
+    if (copies)
+        snprintf(text + length, size - (size_t)length, "#define COPY_BINDING %d\n", qc_copyBinding);
 }
 
-static qcStatus GetProgram(const struct qcGlFunctions* gl, qcLayersKernels* kernels, const qcLayersBuffers* b,
-                           int kernel)
+static qcStatus GetProgram(const struct qcGlFunctions* gl, qcLayersKernels* kernels, int kernel)
 {
     const KernelShape* shape = &s_shapes[kernel];
-    char constants[256];
-    WriteConstants(constants, sizeof constants, shape);
+    char constants[320];
+    WriteConstants(constants, sizeof constants, kernel, kernels->imageOnly);
     const char* sources[] = {constants, s_layersCommon, shape->source};
     GLuint program;
     QC_TRY(qcGlFunctions_GetComputeProgram(gl, shape->name, sources, 3, &program));
     kernels->programs[kernel] = program;
     gl->UseProgram(program);
     for (int buffer = 0; buffer < qc_layersBufferCount; buffer++)
-        if (qcLayersBuffers_SamplerName(b, buffer) != NULL)
-            gl->Uniform1i(gl->GetUniformLocation(program, qcLayersBuffers_SamplerName(b, buffer)), buffer);
+        if (qcLayersBuffers_SamplerName(buffer) != NULL)
+            gl->Uniform1i(gl->GetUniformLocation(program, qcLayersBuffers_SamplerName(buffer)), buffer);
     if (kernel == qc_kernelVertices)
         kernels->foreign = gl->GetUniformLocation(program, "foreignChunks");
     return qc_statusOk;
 }
 
-qcStatus qcLayersKernels_Create(const struct qcGlFunctions* gl, qcLayersKernels* kernels, const qcLayersBuffers* b)
+qcStatus qcLayersKernels_Create(const struct qcGlFunctions* gl, qcLayersKernels* kernels)
 {
     if (gl->DispatchCompute == NULL)
         return qcFail(qc_statusDevice, "layers: the device has no compute shaders (GL below 4.3)");
     for (int kernel = 0; kernel < qc_kernelCount; kernel++)
         if (kernels->imageOnly ? s_shapes[kernel].forImage : s_shapes[kernel].forPairs)
-            QC_TRY(GetProgram(gl, kernels, b, kernel));
+            QC_TRY(GetProgram(gl, kernels, kernel));
     return qc_statusOk;
 }
 
@@ -76,8 +81,7 @@ static void Dispatch(const struct qcGlFunctions* gl, uint64_t groups)
 static void Finish(const struct qcGlFunctions* gl)
 {
     qcGl_Counted(gl)->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
-                                    GL_BUFFER_UPDATE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT |
-                                    GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
+                                    GL_BUFFER_UPDATE_BARRIER_BIT | GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
 }
 
 void qcLayersKernels_Run(const struct qcGlFunctions* gl, const qcLayersKernels* kernels, qcLayersKernel kernel,
@@ -85,14 +89,6 @@ void qcLayersKernels_Run(const struct qcGlFunctions* gl, const qcLayersKernels* 
 {
     qcGl_Counted(gl)->UseProgram(kernels->programs[kernel]);
     Dispatch(gl, groups);
-    Finish(gl);
-}
-
-void qcLayersKernels_RunIndirect(const struct qcGlFunctions* gl, const qcLayersKernels* kernels, qcLayersKernel kernel,
-                                 size_t offset)
-{
-    qcGl_Counted(gl)->UseProgram(kernels->programs[kernel]);
-    qcGl_Counted(gl)->DispatchComputeIndirect((GLintptr)offset);
     Finish(gl);
 }
 

@@ -4,7 +4,7 @@
 
 #include "gl/layers/layers_buffers.h"
 
-/// In the order of the work. qc_kernelNodePairs and the next have a workgroup or an invocation per item of a list.
+/// In the order of the work.
 typedef enum qcLayersKernel
 {
     qc_kernelVertices,
@@ -26,14 +26,16 @@ typedef struct qcLayersParameters
 {
     uint32_t chunkCount, changedNodes, activeNodes, runNumber;
     /// Capacities of lists one less than there is room: an item that does not fit is written to the last place.
-    uint32_t entryCapacity, nodePairCapacity, survivorCapacity, cellCount;
-    uint32_t bodiesAt, nodesAt, chunksAt, floatsAt; ///< words of the step's data in the stream
+    uint32_t entryCapacity, nodePairCapacity, survivorCapacity, listWords;
+    uint32_t nodesAt, chunksAt, floatsAt; ///< words of the step's data
+    uint32_t nodeBoxesAt;                 ///< element of qc_workBoxes: boxes of the active nodes; for pairs
     uint32_t cellShift[3], testNeighbours;
     float scale[3], pointError;
     float slack[4];
     uint32_t axes[3];
     float queryDistance;
-    uint32_t groupsAt, unused[3]; ///< word of the clusters' boxes in qc_workNodeBoxes
+    uint32_t groupsAt; ///< word of the clusters' boxes in qc_workNodeBoxes
+    uint32_t tilesOfGroup, unused[2];
     double origin[3], unit;
 } qcLayersParameters;
 
@@ -44,15 +46,12 @@ typedef struct qcLayersKernels
     GLint foreign; ///< location in the program of qc_kernelVertices
 } qcLayersKernels;
 
-qcStatus qcLayersKernels_Create(const struct qcGlFunctions* gl, qcLayersKernels* kernels, const qcLayersBuffers* b);
+qcStatus qcLayersKernels_Create(const struct qcGlFunctions* gl, qcLayersKernels* kernels);
 
 /// Runs a kernel with that many workgroups; at least one, so that the last kernel marks its run.
 void qcLayersKernels_Run(const struct qcGlFunctions* gl, const qcLayersKernels* kernels, qcLayersKernel kernel,
                          uint64_t groups);
-/// Runs a kernel whose workgroup counts lie in the bound GL_DISPATCH_INDIRECT_BUFFER at `offset`.
-void qcLayersKernels_RunIndirect(const struct qcGlFunctions* gl, const qcLayersKernels* kernels, qcLayersKernel kernel,
-                                 size_t offset);
-/// Runs qc_kernelVertices for chunks [first, end), whose floats lie in the buffer bound to storage block 3.
+/// Runs qc_kernelVertices for chunks [first, end), whose floats lie in the buffer bound to qc_sourceBinding.
 void qcLayersKernels_RunForeign(const struct qcGlFunctions* gl, const qcLayersKernels* kernels, uint32_t first,
                                 uint32_t end);
 

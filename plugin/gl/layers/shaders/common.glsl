@@ -6,17 +6,19 @@ uniform usamplerBuffer triangles;         // by slot: three vertices; x = none: 
 uniform usamplerBuffer nodes, links, tables;
 // Made in this step.
 uniform samplerBuffer vertices;           // in the frame; see gl/layers/layers_gpu.h
-uniform usamplerBuffer boxes, clusterBoxes, entries, nodePairs;
+uniform usamplerBuffer clusterBoxes;
 
-layout(std430, binding = 0) buffer Lists { uint counters[]; }; // COUNTER_WORDS, then by cell its first entry
-layout(std430, binding = 7) readonly buffer Stream { uint stream[]; }; // data of the step
+// COUNTER_WORDS, then for the image by cell its first entry, for pairs by tile of nodes its box.
+layout(std430, binding = 0) buffer Lists { uint counters[]; };
+layout(std430, binding = STEP_BINDING) readonly buffer StepData { uint stepData[]; };
 
 // qcLayersParameters of gl/layers/layers_kernels.h.
 layout(std140, binding = 0) uniform Step
 {
     uint chunkCount, changedNodes, activeNodes, runNumber;
-    uint entryCapacity, nodePairCapacity, survivorCapacity, cellCount;
-    uint bodiesAt, nodesAt, chunksAt, floatsAt; // words of the stream
+    uint entryCapacity, nodePairCapacity, survivorCapacity, listWords;
+    uint nodesAt, chunksAt, floatsAt; // words of the step's data, whose first are those of the bodies
+    uint nodeBoxesAt;                 // boxes of the active nodes, in Boxes
     uvec3 cellShift; // the image's cells are pixels, each cut into slices of depth: 2^cellShift levels of each axis
     uint testNeighbours;
     vec3 scale;
@@ -25,6 +27,7 @@ layout(std140, binding = 0) uniform Step
     uvec3 axes;
     float queryDistance; // in the frame
     uint groupsAt;
+    uint tilesOfGroup; // at most 64
     dvec3 origin;
     double unit;
 };
@@ -33,12 +36,12 @@ const uint none = 0xffffffffu;
 
 uint activeNode(uint i)
 {
-    return stream[nodesAt + i];
+    return stepData[nodesAt + i];
 }
 
 uint bodyWord(uint body, uint word)
 {
-    return stream[bodiesAt + body * BODY_WORDS + word];
+    return stepData[body * BODY_WORDS + word];
 }
 
 uint cellAt(uvec3 at)
@@ -50,15 +53,15 @@ uint cellAt(uvec3 at)
 #define GROUP (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x)
 #define ITEM (GROUP * gl_WorkGroupSize.x + gl_LocalInvocationID.x)
 
-// Indices of the counters, each on a cache line of its own. For a list: the number of items, then the workgroup counts of
-// the kernel that reads it.
+// Indices of the counters, each on a cache line of its own. finishedCounter gets the run's number from the last kernel:
+// counters read back without it are not those of this run.
 const uint entryCounter = 0u, nodePairCounter = 16u, survivorCounter = 32u, trianglePairCounter = 48u,
            skippedCounter = 64u, stoppedCounter = 80u, overflowCounter = 96u, finishedCounter = 112u;
+// Workgroups of the last kernel that are done: a word that the processor doesn't read.
+const uint doneCounter = 113u;
 
-// The last kernel writes the run's number: counters read back without it are not those of this run.
-#define MARK_FINISHED                                                                                                  \
-    if (ITEM == 0u)                                                                                                    \
-        counters[finishedCounter] = runNumber;
+const uint tileWords = 8u; // lower ends, then highest level - upper ends, so that both grow by atomicMin
+const uint highestLevel = 0x7fffu;
 
 // Flags of a body.
 const uint isMoving = 1u, selfCollides = 2u;
@@ -71,20 +74,6 @@ bool bodySelfCollides(uint body)
 // Whether a node's box meets the AABB of its body's partners.
 #define IS_OF_INTEREST(box, body)                                                                                      \
     OVERLAP(box, uvec4(bodyWord(body, 4u), bodyWord(body, 5u), bodyWord(body, 6u), bodyWord(body, 7u)))
-
-// Adds items to a list's count, and workgroups for those that fit. Returns the previous count.
-uint append(uint counter, uint count, uint capacity)
-{
-    uint previous = atomicAdd(counters[counter], count);
-    uint consumerSize = CONSUMER_SIZES[counter / 16u],
-         groups = (min(previous + count, capacity) + consumerSize - 1u) / consumerSize;
-    if (groups > (previous + consumerSize - 1u) / consumerSize)
-    {
-        atomicMax(counters[counter + 1u], min(groups, GROUPS_IN_ROW));
-        atomicMax(counters[counter + 2u], (groups + GROUPS_IN_ROW - 1u) / GROUPS_IN_ROW);
-    }
-    return previous;
-}
 
 // A box of 15-bit levels: lower ends (x | y << 16, z | d << 16), upper ends likewise with the top bit of each half set.
 // d is the diagonal (x + y) / 2. Two boxes overlap if no subtraction borrows from a top bit: upper - lower >= 0.
@@ -120,7 +109,7 @@ uvec4 upperEnds(uvec4 box)
 // Not below 1: an empty box ends at level 0 and begins at the highest, so it overlaps no other box.
 uvec4 toLevels(vec4 x)
 {
-    return uvec4(clamp(x, 1.0, 32767.0));
+    return uvec4(clamp(x, 1.0, float(highestLevel)));
 }
 
 // The box of the triangle at a slot, rounded outward to levels.
@@ -134,6 +123,6 @@ void findBox(int slot, out uvec4 lower, out uvec4 upper)
     vec3 d = 0.5 * vec3(a.x + a.y, b.x + b.y, c.x + c.y);
     vec4 low = vec4(min(a, min(b, c)), min(d.x, min(d.y, d.z))),
          high = vec4(max(a, max(b, c)), max(d.x, max(d.y, d.z)));
-    lower = exists ? toLevels(low - slack) : uvec4(0x7fffu);
+    lower = exists ? toLevels(low - slack) : uvec4(highestLevel);
     upper = exists ? toLevels(high + slack) : uvec4(0u);
 }

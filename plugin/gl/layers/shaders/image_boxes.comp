@@ -9,7 +9,7 @@ void main()
         return;
 
     int cluster = int(activeNode(i >> 3) * 8u + (i & 7u));
-    uvec4 clusterLower = uvec4(0x7fffu), clusterUpper = uvec4(0u);
+    uvec4 clusterLower = uvec4(highestLevel), clusterUpper = uvec4(0u);
     for (int k = 0; k < 8; k += 2)
     {
         uvec4 lower[2], upper[2];

@@ -4,13 +4,14 @@ layout(std430, binding = 6) buffer NodeBoxes { uint outNodeBoxes[]; }; // from w
 
 void main()
 {
-    MARK_FINISHED
+    if (ITEM == 0u)
+        counters[finishedCounter] = runNumber;
     uint i = ITEM;
     if (i >= activeNodes)
         return;
 
     int node = int(activeNode(i));
-    uvec4 lower = uvec4(0x7fffu), upper = uvec4(0u);
+    uvec4 lower = uvec4(highestLevel), upper = uvec4(0u);
     for (int k = 0; k < 8; k += 2)
     {
         uvec4 first = texelFetch(clusterBoxes, node * 8 + k), second = texelFetch(clusterBoxes, node * 8 + k + 1);
@@ -29,7 +30,7 @@ void main()
     {
         uvec3 first = lower.xyz >> cellShift, last = upper.xyz >> cellShift, size = last - first + 1u;
         uint count = size.x * size.y * size.z;
-        uint index = append(entryCounter, count, entryCapacity), end = index + count;
+        uint index = atomicAdd(counters[entryCounter], count), end = index + count;
         for (uvec3 at = first; index != end && index < entryCapacity; index++)
         {
             uint cell = cellAt(at), next = atomicExchange(counters[COUNTER_WORDS + cell], index);

@@ -1,10 +1,14 @@
-// A workgroup for each pair of nodes, from clusters to triangles that may be within the query distance: overlapping
-// clusters, overlapping triangles except neighbours, then separating axes. These are one algorithm with
-// kernels/separating_axis.inl.h: the same scale, gap and 17 axes (the processor also tries the line between the centres).
+// A workgroup for one pair of nodes after another, from clusters to triangles that may be within the query distance:
+// overlapping clusters, overlapping triangles except neighbours, then signs of determinants and separating axes. These are
+// one algorithm with kernels/relate.inl.h and separating_axis.inl.h (the processor also tries the line between the centres).
 // Tests of `layers` run both with one body (QC_LAYERS_REFINE). Proof: plugin/docs/proofs/layers.md.
-layout(std430, binding = 6) buffer Results { uvec2 outSurvivors[]; }; // a copy of the counters, then triangles of the step
+layout(std430, binding = 1) readonly buffer Vertices { vec4 inVertices[]; };
+layout(std430, binding = 2) readonly buffer Boxes { uvec4 inBoxes[]; };
+layout(std430, binding = 5) readonly buffer NodePairs { uvec4 inNodePairs[]; };
+// A copy of the counters, then triangles of the step.
+layout(std430, binding = 6) writeonly buffer Results { uvec2 outResults[]; };
 
-const uint survivorsAt = COUNTER_WORDS / 2u;
+const uint resultsAt = COUNTER_WORDS / 2u;
 // Pairs of clusters between two barriers: more would need more shared memory, and most pairs of nodes have fewer.
 #define CLUSTERS_OF_ROUND 16u
 
@@ -12,7 +16,8 @@ const uint survivorsAt = COUNTER_WORDS / 2u;
 
 // The other corners of A and all of B, relative to the first corner of A.
 vec3 b, c, d, e, f;
-float gap; // required distance along an axis of length 1
+float gap;   // required distance along an axis of length 1
+float error; // of a coordinate
 
 // Whether the cross product of two vectors separates the triangles by more than the query distance. The axis need not be
 // exact, but must be equal in all dot products: GLSL may evaluate an expression that is not `precise` anew for each use,
@@ -26,23 +31,27 @@ bool separates(vec3 first, vec3 second)
     return max(above, below) > max(required, 1e-20);
 }
 
-// Whether the triangles at two slots are farther apart than the query distance.
-bool areApart(uint s, uint t)
+void loadCorners(uint s, uint t)
 {
     uvec4 i0 = texelFetch(triangles, int(s)), i1 = texelFetch(triangles, int(t));
-    vec3 a = texelFetch(vertices, int(i0.x)).xyz;
-    b = texelFetch(vertices, int(i0.y)).xyz - a;
-    c = texelFetch(vertices, int(i0.z)).xyz - a;
-    d = texelFetch(vertices, int(i1.x)).xyz - a;
-    e = texelFetch(vertices, int(i1.y)).xyz - a;
-    f = texelFetch(vertices, int(i1.z)).xyz - a;
+    vec3 a = inVertices[i0.x].xyz;
+    b = inVertices[i0.y].xyz - a;
+    c = inVertices[i0.z].xyz - a;
+    d = inVertices[i1.x].xyz - a;
+    e = inVertices[i1.y].xyz - a;
+    f = inVertices[i1.z].xyz - a;
     vec3 largest = max(max(max(abs(b), abs(c)), max(abs(d), abs(e))), abs(f));
     float size = max(largest.x, max(largest.y, largest.z));
     // A power of two, so that no product below underflows.
     float up = uintBitsToFloat((254u << 23) - (floatBitsToUint(size) & 0x7f800000u));
     b *= up, c *= up, d *= up, e *= up, f *= up;
     gap = (4.0 * pointError + queryDistance) * up * 1.0001 + 4e-6;
+    error = 2.0 * pointError * up + 2.4e-7;
+}
 
+// Whether an axis separates the triangles by more than the query distance.
+bool areApart()
+{
     vec3 bc = c - b, de = e - d, df = f - d, ef = f - e;
     precise vec3 n = cross(b, c), m = cross(de, df);
     // No early exit: arithmetic costs less than branches.
@@ -66,154 +75,222 @@ bool areApart(uint s, uint t)
     return apart;
 }
 
+//  ---- signs of determinants -----------------------------------------------------------------------------------------
+
+// What is proven for a pair: that it is disjoint; that the interiors intersect.
+bool areDisjoint, areIntersecting;
+
+// The proven sign; 0: none is.
+int signOf(float x, float maxError)
+{
+    return int(x > maxError) - int(x < -maxError);
+}
+
+// An edge against a triangle: the sides of its ends, and the sides on which its line passes the triangle's edges.
+void addEdge(int p, int q, int r, int s, int t)
+{
+    int low = min(r, min(s, t)), high = max(r, max(s, t));
+    areDisjoint = areDisjoint && (low * high < 0 || p * q > 0);
+    areIntersecting = areIntersecting || (low * high > 0 && p * q < 0);
+}
+
+// kernels/relate.inl.h, with room for GLSL's rounding: twice the processor's. Proof: plugin/docs/proofs/pair_signs.md.
+void decide()
+{
+    vec3 one = vec3(1.0);
+    float sizeA = 1.001 * max(dot(abs(b), one), dot(abs(c), one)),
+          sizeB = 1.001 * max(dot(abs(d), one), max(dot(abs(e), one), dot(abs(f), one)));
+    float aa = error * sizeA * sizeA, ab = error * sizeA * sizeB, bb = error * sizeB * sizeB;
+    float constant = 48.0 * error * error + 3.0e-5, several = 4.0 * constant + 7.2e-5;
+    vec3 n = cross(b, c), mx = cross(d, e), my = cross(e, f), mz = cross(f, d);
+    vec3 x = vec3(dot(b, mx), dot(b, my), dot(b, mz)), y = vec3(dot(c, mx), dot(c, my), dot(c, mz)),
+         ofPlaneA = vec3(dot(n, d), dot(n, e), dot(n, f)), last = y - x + ofPlaneA.yzx - ofPlaneA;
+    float volume = dot(d, my);
+    float planeError = aa + 2.0 * ab + constant, sideError = bb + 2.0 * ab + constant,
+          lastError = 2.0 * (aa + bb) + 8.0 * ab + several, cornerError = 6.0 * (bb + ab) + several;
+    int ofA[3] = int[](signOf(-volume, 3.0 * bb + constant), signOf(x.x + x.y + x.z - volume, cornerError),
+                       signOf(y.x + y.y + y.z - volume, cornerError));
+    int ofB[3], side[9]; // side[3 * i + j]: on which side the line of edge i of A passes edge j of B
+    for (int j = 0; j < 3; j++)
+    {
+        ofB[j] = signOf(ofPlaneA[j], planeError);
+        side[j] = signOf(x[j], sideError);
+        side[3 + j] = signOf(last[j], lastError);
+        side[6 + j] = signOf(-y[j], sideError);
+    }
+    areDisjoint = true, areIntersecting = false;
+    for (int i = 0; i < 3; i++)
+    {
+        int next = i < 2 ? i + 1 : 0;
+        addEdge(ofA[i], ofA[next], side[3 * i], side[3 * i + 1], side[3 * i + 2]);
+        addEdge(ofB[i], ofB[next], side[i], side[3 + i], side[6 + i]);
+    }
+}
+
+// Whether the triangles at two slots may be within the query distance; areIntersecting: they surely intersect.
+bool mayMeet(uint s, uint t)
+{
+    loadCorners(s, t);
+    decide();
+    bool apart = areDisjoint && queryDistance == 0.0;
+    return areIntersecting || (!apart && !areApart());
+}
+
 //  ---- clusters and triangles ------------------------------------------------------------------------------------------
 
 shared uvec4 boxesOfA[72], boxesOfB[72]; // of triangles, then of clusters
-shared uint table;                       // pair masks of adjacent nodes, or none
-shared uint clusterCount, clusters[64];  // overlapping ones: cluster + 8 * cluster
-// Triangles of one round: slot in A's node | slot in B's << 6. First all that overlap, then those not proven apart.
-shared uint queueCount, keptCount, queue[CLUSTERS_OF_ROUND * 64u];
-shared uint firstKept;
-
-bool mayCollide(uint a, uint b)
-{
-    uint groupA = bodyWord(a, 0u), groupB = bodyWord(b, 0u), ownerA = bodyWord(a, 3u);
-    return a == b ||
-           (((bodyWord(a, 2u) | bodyWord(b, 2u)) & isMoving) != 0u && (groupA & bodyWord(b, 1u)) != 0u &&
-            (groupB & bodyWord(a, 1u)) != 0u && (ownerA == 0u || ownerA != bodyWord(b, 3u)));
-}
+shared uint clusterCount;
+shared uvec3 clusters[64]; // overlapping ones: cluster + 8 * cluster, and which of their triangles to test
+// Slots of triangles whose boxes overlap. Pairs of several pairs of nodes are tested together: one each invocation.
+shared uint queueCount;
+shared uvec2 queue[LOCAL_SIZE + CLUSTERS_OF_ROUND * 64u];
+shared uint keptCount, firstKept;
 
 // The pair mask of two clusters, see qcPairMask_Word; none where the table has no word.
-uvec2 wordOf(uint bit)
+uvec2 wordOf(uint table, uint bit)
 {
     uvec2 some = texelFetch(tables, int(table)).xy, empty = texelFetch(tables, int(table + 1u)).xy;
     uint flagBit = 1u << (bit & 31u);
     uvec2 flag = bit < 32u ? uvec2(flagBit, 0u) : uvec2(0u, flagBit);
-    uvec2 below = bit < 32u ? uvec2(flagBit - 1u, 0u) : uvec2(none, flagBit - 1u);
-    ivec2 ranks = bitCount(some & below);
-    uvec2 word = texelFetch(tables, int(table) + 2 + ranks.x + ranks.y).xy;
-    return (some & flag) != uvec2(0u) ? word : (empty & flag) != uvec2(0u) ? uvec2(0u) : uvec2(none);
+    if ((some & flag) == uvec2(0u))
+        return (empty & flag) != uvec2(0u) ? uvec2(0u) : uvec2(none);
+    ivec2 ranks = bitCount(some & (bit < 32u ? uvec2(flagBit - 1u, 0u) : uvec2(none, flagBit - 1u)));
+    return texelFetch(tables, int(table) + 2 + ranks.x + ranks.y).xy;
 }
 
-// Searches the links of node A for node B.
-void findTable(uint firstLink, uint endLink, uint nodeB, uint k)
+// Pairs of triangles of two clusters of one node: each once.
+uvec2 wordWithinNode(uint u, uint v)
 {
-    uint link = firstLink + k;
-    for (; link < endLink; link += 64u)
+    return u < v ? uvec2(none) : u == v ? uvec2(0x07030100u, 0x7f3f1f0fu) : uvec2(0u);
+}
+
+// Clusters u and v at u + 8 v.
+void findClusters(uvec4 pair, uint k)
+{
+    for (uint bit = k; bit < 64u; bit += LOCAL_SIZE)
     {
-        uvec2 adjacent = texelFetch(links, int(link)).xy;
-        if (adjacent.x == nodeB)
-            table = adjacent.y;
+        uint u = bit & 7u, v = bit >> 3;
+        uvec4 p = boxesOfA[64u + u], q = boxesOfB[64u + v];
+        if (!OVERLAP(p, q))
+            continue;
+        uvec2 word = pair.z != none ? wordOf(pair.z, bit) : pair.x == pair.y ? wordWithinNode(u, v) : uvec2(none);
+        if (word != uvec2(0u))
+            clusters[atomicAdd(clusterCount, 1u)] = uvec3(bit, word);
     }
-    // Some implementations stop the loops of an invocation after 65 535 iterations.
-    if (link < endLink)
-        counters[stoppedCounter] = 1u;
 }
 
-// Lane u + 8 v: clusters u and v. Within one node: each pair of clusters once, and each cluster with itself.
-void findClusters(bool isOneNode, bool hasTable, uint k)
+// Triangles s and t of two clusters at s + 8 t.
+void findTriangles(uvec2 pair, uvec3 cluster, uint k)
 {
-    uint u = k & 7u, v = k >> 3;
-    uvec4 p = boxesOfA[64u + u], q = boxesOfB[64u + v];
-    if (OVERLAP(p, q) && (!isOneNode || u <= v) && (!hasTable || wordOf(k) != uvec2(0u)))
-        clusters[atomicAdd(clusterCount, 1u)] = k;
-}
-
-// Lane s + 8 t: triangles s and t of two clusters.
-void findTriangles(uint bit, bool isOneNode, bool hasTable, uint k)
-{
-    uint u = bit & 7u, v = bit >> 3, s = u * 8u + (k & 7u), t = v * 8u + (k >> 3);
-    uvec4 p = boxesOfA[s], q = boxesOfB[t];
-    if (!OVERLAP(p, q))
-        return;
-    bool isTested = !isOneNode || s < t;
-    if (hasTable)
+    for (uint bit = k; bit < 64u; bit += LOCAL_SIZE)
     {
-        uvec2 word = wordOf(bit);
-        isTested = ((k < 32u ? word.x : word.y) >> (k & 31u) & 1u) != 0u;
+        uint s = (cluster.x & 7u) * 8u + (bit & 7u), t = (cluster.x >> 3) * 8u + (bit >> 3);
+        uvec4 p = boxesOfA[s], q = boxesOfB[t];
+        if (((bit < 32u ? cluster.y : cluster.z) >> (bit & 31u) & 1u) != 0u && OVERLAP(p, q))
+            queue[atomicAdd(queueCount, 1u)] = pair * 64u + uvec2(s, t);
     }
-    if (isTested)
-        queue[atomicAdd(queueCount, 1u)] = s | t << 6;
 }
 
-// Tests the axes of all pairs in the queue. What is kept takes the places of pairs that were read before.
-void testQueue(uvec2 pair, uint k)
-{
-    uint count = queueCount;
-    for (uint base = 0u; base < count; base += 64u)
-    {
-        uint word = queue[min(base + k, count - 1u)];
-        bool isKept = base + k < count && !areApart(pair.x * 64u + (word & 63u), pair.y * 64u + (word >> 6));
-        barrier();
-        if (isKept)
-            queue[atomicAdd(keptCount, 1u)] = word;
-    }
-    barrier();
-}
+//  ---- results -----------------------------------------------------------------------------------------------------------
+
+const uint sureBit = 0x80000000u; // of the first triangle's number
 
 // The step's number of the triangle at a slot.
-uint numberOf(uint slot, uint firstTriangle)
+uint numberOf(uint slot)
 {
-    return firstTriangle + texelFetch(triangles, int(slot)).w;
+    return bodyWord(texelFetch(nodes, int(slot >> 6)).x, 20u) + texelFetch(triangles, int(slot)).w;
 }
 
-// One append for the round. `firsts`: the first triangles of both bodies.
-void writeKept(uvec2 pair, uvec2 firsts, uint k)
+// Tests the last pairs in the queue, one each invocation. Returns their number. One append for all that are kept.
+uint testLast(uint k)
 {
-    uint count = keptCount;
+    barrier();
+    uint inQueue = queueCount, count = min(inQueue, LOCAL_SIZE);
+    uvec2 pair = queue[inQueue - count + min(k, count - 1u)];
+    bool isKept = k < count && mayMeet(pair.x, pair.y);
+    barrier();
     if (k == 0u)
     {
-        atomicAdd(counters[trianglePairCounter], queueCount);
-        firstKept = count != 0u ? atomicAdd(counters[survivorCounter], count) : 0u;
+        queueCount = inQueue - count;
+        keptCount = 0u;
     }
     barrier();
-    for (uint i = k; i < count; i += 64u)
-        outSurvivors[survivorsAt + min(firstKept + i, survivorCapacity)] =
-            uvec2(numberOf(pair.x * 64u + (queue[i] & 63u), firsts.x), numberOf(pair.y * 64u + (queue[i] >> 6), firsts.y));
+    uint place = isKept ? atomicAdd(keptCount, 1u) : 0u;
+    barrier();
+    if (k == 0u && keptCount != 0u)
+        firstKept = atomicAdd(counters[survivorCounter], keptCount);
+    barrier();
+    if (isKept)
+        outResults[resultsAt + min(firstKept + place, survivorCapacity)] =
+            uvec2(numberOf(pair.x) | (areIntersecting ? sureBit : 0u), numberOf(pair.y));
+    return count;
+}
+
+// Adds the triangles of two nodes to the queue, and tests what fills the workgroup. Returns the number of tests.
+uint addNodes(uvec4 pair, uint k)
+{
+    for (uint box = k; box < 72u; box += LOCAL_SIZE)
+    {
+        boxesOfA[box] = inBoxes[pair.x * uint(BOXES_OF_NODE) + box];
+        boxesOfB[box] = inBoxes[pair.y * uint(BOXES_OF_NODE) + box];
+    }
+    if (k == 0u)
+        clusterCount = 0u;
+    barrier();
+    findClusters(pair, k);
+    barrier();
+    uint toDo = clusterCount, tested = 0u;
+    for (uint j = 0u; j < toDo;)
+    {
+        for (uint end = min(j + CLUSTERS_OF_ROUND, toDo); j < end; j++)
+            findTriangles(pair.xy, clusters[j], k);
+        barrier();
+        uint waiting = queueCount;
+        barrier(); // before anything is added
+        for (; waiting >= LOCAL_SIZE; waiting -= LOCAL_SIZE)
+            tested += testLast(k);
+    }
+    return tested;
+}
+
+shared bool isLast;
+
+// The last workgroup copies the counters for the processor. They are read by atomics: a cache may hold old ones.
+void finish(uint tested, uint groups, uint k)
+{
+    memoryBarrier();
     barrier();
     if (k == 0u)
-        queueCount = keptCount = 0u;
+    {
+        atomicAdd(counters[trianglePairCounter], tested);
+        memoryBarrierBuffer();
+        isLast = atomicAdd(counters[doneCounter], 1u) == groups - 1u;
+    }
     barrier();
+    if (!isLast)
+        return;
+    for (uint i = k; i < resultsAt; i += LOCAL_SIZE)
+    {
+        uvec2 words = uvec2(atomicAdd(counters[2u * i], 0u), atomicAdd(counters[2u * i + 1u], 0u));
+        outResults[i] = uvec2(2u * i == finishedCounter ? runNumber : words.x, words.y);
+    }
 }
 
 void main()
 {
-    MARK_FINISHED
-    uint i = GROUP, k = gl_LocalInvocationID.x;
-    if (i >= min(counters[nodePairCounter], nodePairCapacity))
-        return;
-
-    uvec2 pair = texelFetch(nodePairs, int(i)).xy;
-    uvec3 node = texelFetch(nodes, int(pair.x)).xyz; // body, first link, end of links
-    for (uint box = k; box < 72u; box += 64u)
-    {
-        boxesOfA[box] = texelFetch(boxes, int(pair.x) * BOXES_OF_NODE + int(box));
-        boxesOfB[box] = texelFetch(boxes, int(pair.y) * BOXES_OF_NODE + int(box));
-    }
+    uint k = gl_LocalInvocationID.x, groups = gl_NumWorkGroups.x * gl_NumWorkGroups.y, tested = 0u, i = GROUP;
+    uint count = min(counters[nodePairCounter], nodePairCapacity);
     if (k == 0u)
+        queueCount = 0u;
+    barrier();
+    for (; i < count; i += groups)
     {
-        table = none;
-        clusterCount = queueCount = keptCount = 0u;
-    }
-    barrier();
-    // Bodies that don't collide have no clusters.
-    uint bodyB = texelFetch(nodes, int(pair.y)).x;
-    uvec2 firsts = uvec2(bodyWord(node.x, 20u), bodyWord(bodyB, 20u));
-    bool isTested = mayCollide(node.x, bodyB);
-    if (isTested && testNeighbours == 0u)
-        findTable(node.y, node.z, pair.y, k);
-    barrier();
-    bool isOneNode = pair.x == pair.y, hasTable = table != none;
-    if (isTested)
-        findClusters(isOneNode, hasTable, k);
-    barrier();
-    uint toDo = clusterCount;
-    for (uint j = 0u; j < toDo;)
-    {
-        for (uint end = min(j + CLUSTERS_OF_ROUND, toDo); j < end; j++)
-            findTriangles(clusters[j], isOneNode, hasTable, k);
+        tested += addNodes(inNodePairs[i], k);
         barrier();
-        testQueue(pair, k);
-        writeKept(pair, firsts, k);
     }
+    if (i < count)
+        counters[stoppedCounter] = 1u;
+    if (queueCount != 0u)
+        tested += testLast(k);
+    finish(tested, groups, k);
 }

@@ -1,6 +1,10 @@
-// New vertices, from chunks of 64 of a body, to positions in the grid frame. Resets the lists, too.
+// New vertices, from chunks of 64 of a body, to positions in the grid frame. Resets the lists, and copies what later
+// kernels read of the step's data to the device's memory: on a GPU each read of the processor's memory takes microseconds.
 layout(std430, binding = 1) buffer Vertices { vec4 outVertices[]; };
-layout(std430, binding = 3) readonly buffer Source { uint source[]; }; // the stream, or another buffer with floats
+layout(std430, binding = 3) readonly buffer Source { uint source[]; }; // the step's data, or another buffer with floats
+#ifdef COPY_BINDING
+layout(std430, binding = COPY_BINDING) writeonly buffer StepCopy { uint stepCopy[]; };
+#endif
 // xyz: bits of a position about the body's centre; w: the body's slot. Integer texels: a small integer read as a float is
 // denormal, and GLSL allows denormals to become 0.
 uniform usamplerBuffer locals;
@@ -8,12 +12,15 @@ uniform uvec2 foreignChunks; // chunks [x, y) of another buffer; 0: all chunks o
 
 const uint rigid = 0u, inFrame = 2u; // qcLayersChunkKind
 
-// The counters are 0, but the lists have one workgroup each at first; the cells' lists are empty.
-void resetLists()
+void prepareLists()
 {
     uint stride = gl_NumWorkGroups.x * gl_NumWorkGroups.y * gl_WorkGroupSize.x;
-    for (uint i = ITEM; i < COUNTER_WORDS + cellCount; i += stride)
-        counters[i] = i >= COUNTER_WORDS ? none : uint(i < survivorCounter && (i & 15u) - 1u < 3u);
+    for (uint i = ITEM; i < COUNTER_WORDS + listWords; i += stride)
+        counters[i] = i < COUNTER_WORDS ? 0u : EMPTY_LIST;
+#ifdef COPY_BINDING
+    for (uint i = ITEM; i < chunksAt; i += stride)
+        stepCopy[i] = stepData[i];
+#endif
 }
 
 vec3 transformed(int v)
@@ -39,31 +46,51 @@ double exactly(uint bits)
     return (bits >> 31) != 0u ? -magnitude : magnitude;
 }
 
+shared uint packedWords[3 * LOCAL_SIZE];
+
+// Vertices without gaps are read word by word: each word once, and those of neighbouring invocations together.
+void readPacked(uint first, uint count, uint k)
+{
+    for (uint word = k; word < 3u * count; word += LOCAL_SIZE)
+        packedWords[word] = source[first + word];
+}
+
+uvec3 wordsOf(uint first, uint stride, uint k)
+{
+    if (stride == 3u)
+        return uvec3(packedWords[3u * k], packedWords[3u * k + 1u], packedWords[3u * k + 2u]);
+    uint at = first + k * stride;
+    return uvec3(source[at], source[at + 1u], source[at + 2u]);
+}
+
+vec3 positionOf(uvec3 words, uint kind)
+{
+    if (kind == inFrame)
+        return uintBitsToFloat(words);
+    dvec3 world = dvec3(exactly(words[axes.x]), exactly(words[axes.y]), exactly(words[axes.z]));
+    // In double: the origin may be far away, compared with the scene's extent.
+    precise dvec3 offset = world - origin;
+    return vec3(offset * unit);
+}
+
 void main()
 {
     bool isForeign = foreignChunks.y != 0u;
     if (!isForeign)
-        resetLists();
+        prepareLists();
     uint chunk = GROUP + foreignChunks.x, k = gl_LocalInvocationID.x, at = chunksAt + chunk * 4u;
     if (chunk >= (isForeign ? foreignChunks.y : chunkCount))
         return;
 
-    uint first = stream[at], count = stream[at + 1u], word = stream[at + 2u], kind = stream[at + 3u] & 255u;
+    uint first = stepData[at], count = stepData[at + 1u], kind = stepData[at + 3u] & 255u, stride = stepData[at + 3u] >> 8;
+    uint firstWord = stepData[at + 2u] + (isForeign ? 0u : floatsAt);
+    bool isRigid = kind == rigid;
+    if (!isRigid && stride == 3u)
+        readPacked(firstWord, count, k);
+    barrier();
     if (k >= count)
         return;
 
-    word += (isForeign ? 0u : floatsAt) + k * (stream[at + 3u] >> 8);
-    vec3 position;
-    if (kind == rigid)
-        position = transformed(int(first + k));
-    else if (kind == inFrame)
-        position = uintBitsToFloat(uvec3(source[word], source[word + 1u], source[word + 2u]));
-    else
-    {
-        dvec3 world = dvec3(exactly(source[word + axes.x]), exactly(source[word + axes.y]), exactly(source[word + axes.z]));
-        // In double: the origin may be far away, compared with the scene's extent.
-        precise dvec3 offset = world - origin;
-        position = vec3(offset * unit);
-    }
+    vec3 position = isRigid ? transformed(int(first + k)) : positionOf(wordsOf(firstWord, stride, k), kind);
     outVertices[first + k] = vec4(position, 0.0);
 }
