@@ -41,9 +41,12 @@ float ambientLight(vec2 uv, vec3 p, vec3 n, float depth, float angle)
     {
         float turn = angle + goldenAngle * float(i);
         float distance = (float(i) + 0.5) / float(occlusionSamples);
-        vec2 at = clamp(uv + distance * radius * vec2(cos(turn), sin(turn)), 0.5 / size, 1.0 - 0.5 / size);
+        vec2 offset = distance * radius * vec2(cos(turn), sin(turn));
+        // The middle of a pixel, whose depth this is: elsewhere a slanted plane would hide itself.
+        vec2 at = (floor(clamp((uv + offset) * size, vec2(0.0), size - 1.0)) + 0.5) / size;
         vec3 v = positionAt(at, depthAt(at)) - p;
-        float squared = dot(v, v) + 1e-9;
+        // More than rounding makes of a sample in the pixel itself.
+        float squared = dot(v, v) + 1e-9 + 1e-11 * depth * depth;
         float near = max(1.0 - squared / (reach * reach), 0.0);
         hidden += near * max(dot(v, n) * inversesqrt(squared) - 0.12, 0.0);
     }
