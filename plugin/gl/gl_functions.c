@@ -174,6 +174,8 @@ void qcGlFunctions_ResetState(const struct qcGlFunctions* gl)
     gl->Disable(GL_DEPTH_TEST);
     gl->DepthMask(GL_TRUE);
     gl->DepthFunc(GL_LESS);
+    gl->Disable(GL_DEPTH_CLAMP);
+    gl->DepthRange(0.0, 1.0);
     gl->Disable(GL_FRAMEBUFFER_SRGB);
     gl->Disable(GL_POLYGON_OFFSET_FILL);
     gl->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);

@@ -41,6 +41,7 @@
     X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                                                                 \
     X(PFNGLDEPTHFUNCPROC, DepthFunc)                                                                                   \
     X(PFNGLDEPTHMASKPROC, DepthMask)                                                                                   \
+    X(PFNGLDEPTHRANGEPROC, DepthRange)                                                                                 \
     X(PFNGLDISABLEPROC, Disable)                                                                                       \
     X(PFNGLDRAWARRAYSPROC, DrawArrays)                                                                                 \
     X(PFNGLDRAWBUFFERPROC, DrawBuffer)                                                                                 \

@@ -354,6 +354,12 @@ static qcStatus BeginPass(const struct qcGlFunctions* gl, PassJob* job)
     float scale = pass->fromBack ? -0.9f : 0.9f;
     gl->BindFramebuffer(GL_FRAMEBUFFER, v->framebuffer);
     gl->Enable(GL_DEPTH_TEST);
+    if (!v->isDilated)
+    {
+        // A sliver whose corners are rounded may be drawn far beyond them: never as far as the cleared depth.
+        gl->Enable(GL_DEPTH_CLAMP);
+        gl->DepthRange(0.0, 0.5);
+    }
     gl->BindVertexArray(v->vertexArray);
     if (v->isDilated)
         UploadDilated(gl, v, pass->axis);
