@@ -10,10 +10,10 @@ typedef struct qcSortItem
     uint64_t value;
 } qcSortItem;
 
-/// Sorts by key, ascending; items with the same key keep their order. O(count) per 11 bits in which keys differ.
+/// Sorts by key, ascending; items with the same key keep their order. O(count) per 12 bits in which keys differ.
 /// `scratch` is memory to reuse.
 qcStatus qcSort_Items(qcSortItem* items, size_t count, qcArray* scratch);
-/// Sorts keys without values. O(count) per 11 bits in which keys differ.
+/// Sorts keys without values. O(count) per 12 bits in which keys differ.
 qcStatus qcSort_Keys(uint64_t* keys, size_t count, qcArray* scratch);
 
 /// A key whose order is the order of the floats (NaN excluded).

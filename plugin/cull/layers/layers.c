@@ -122,20 +122,23 @@ static qcStatus TakePairs(const Step* step, const qcLayersAnswer* answer, const 
 {
     qcArray* arrays[] = {keys->keys, keys->classified, keys->contactKeys};
     for (int i = 0; i < 3; i++)
-        QC_TRY(qcArray_Reserve(arrays[i], arrays[i]->count + answer->pairCount, sizeof(uint64_t), "candidates"));
-    bool listClassified = step->job->listClassified;
+        QC_TRY(qcArray_Reserve(arrays[i], arrays[i]->count + answer->pairCount + 1, sizeof(uint64_t), "candidates"));
+    uint64_t* ends[3];
+    for (int i = 0; i < 3; i++)
+        ends[i] = (uint64_t*)arrays[i]->data + arrays[i]->count;
     for (const uint32_t* pair = answer->pairs; pair < answer->pairs + 2 * answer->pairCount; pair += 2)
     {
+        // Written to both lists, and kept in one: which of them is hard to predict.
         uint64_t key = qcStepTriangles_Key(pair[0] & ~QC_SURE_PAIR, pair[1]);
-        bool isSure = (pair[0] & QC_SURE_PAIR) != 0;
-        if (!isSure)
-            QC_AT(uint64_t, *keys->keys, keys->keys->count++) = key;
-        else
-            QC_AT(uint64_t, *keys->classified, keys->classified->count++) =
-                qcRelatedPair_Make(key, qc_relationPenetrating);
-        if (isSure && listClassified)
-            QC_AT(uint64_t, *keys->contactKeys, keys->contactKeys->count++) = key;
+        size_t isSure = (pair[0] & QC_SURE_PAIR) != 0;
+        *ends[0] = *ends[2] = key;
+        *ends[1] = qcRelatedPair_Make(key, qc_relationPenetrating);
+        ends[0] += 1 - isSure;
+        ends[1] += isSure;
+        ends[2] += isSure;
     }
+    for (int i = 0; i < (step->job->listClassified ? 3 : 2); i++)
+        arrays[i]->count = (size_t)(ends[i] - (uint64_t*)arrays[i]->data);
     return qc_statusOk;
 }
 
