@@ -13,7 +13,7 @@ enum
     qc_gpuSizeCount = 7,
     qc_gpuSceneCount = 15,
     qc_gpuFrames = 4,
-    qc_maxGpuRuns = 3,   ///< of a row: layers, sweep on 1 thread, sweep on all
+    qc_maxGpuRuns = 4,   ///< of a row: layers, auto, sweep on 1 thread, sweep on all
     qc_maxGpuStages = 24 ///< of a step of layers
 };
 

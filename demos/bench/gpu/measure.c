@@ -1,5 +1,5 @@
-// A scene by layers and by sweep. Timed steps run without the timers of layers; further steps with timers give the
-// times of its parts. The pairs of all steps are compared.
+// A scene by layers, by auto and by sweep. Timed steps run without the timers of layers; further steps with timers give
+// the times of its parts. The pairs of all steps are compared.
 #include "bench/gpu/gpu.h"
 
 #include "common/stopwatch.h"
@@ -176,7 +176,7 @@ static bool WarmUp(Bench* bench, qcGpuRun* run)
 }
 
 /// Each frame once, then timed steps.
-static bool Time(Bench* bench, qcGpuRun* run)
+static bool Time(Bench* bench, bool isSoftware, qcGpuRun* run)
 {
     double times[qc_maxSteps], spent = 0.0;
     bool ran = true;
@@ -185,7 +185,7 @@ static bool Time(Bench* bench, qcGpuRun* run)
         ran = Step(bench, run);
         run->firstMs = i == 0 ? bench->ms : run->firstMs;
     }
-    if (ran && run->method == qc_methodLayers && !bench->ours.result->profile.softwareDevice)
+    if (ran && run->method != qc_methodSweep && !isSoftware)
         ran = WarmUp(bench, run);
     uint64_t allocations = s_allocations;
     while (ran && (run->steps < qc_minSteps || (run->steps < qc_maxSteps && spent < s_enoughMs)))
@@ -219,9 +219,9 @@ static double FindProcessorMs(const qcGpuRow* row, bool software)
     return ms;
 }
 
-static bool MeasureLayers(Bench* bench, qcGpuRun* run, qcGpuRow* row)
+static bool MeasureLayers(Bench* bench, bool isSoftware, qcGpuRun* run, qcGpuRow* row)
 {
-    if (!Time(bench, run))
+    if (!Time(bench, isSoftware, run))
         return false;
     const qcProfile* p = &bench->ours.result->profile;
     row->deviceCalls = p->deviceCalls;
@@ -229,7 +229,7 @@ static bool MeasureLayers(Bench* bench, qcGpuRun* run, qcGpuRow* row)
     if (!MeasureStages(bench, run, row))
         return false;
     p = &bench->ours.result->profile;
-    row->processorMs = FindProcessorMs(row, p->softwareDevice);
+    row->processorMs = FindProcessorMs(row, isSoftware);
     row->entries = p->fragments;
     row->uploadedBytes = p->uploadedBytes;
     row->deviceBytes = p->deviceBytes;
@@ -237,16 +237,17 @@ static bool MeasureLayers(Bench* bench, qcGpuRun* run, qcGpuRow* row)
     return true;
 }
 
-static bool MeasureRun(const qcAnimation* animation, qcDevice* device, qcGpuRun* run, qcGpuRow* row)
+static bool MeasureRun(const qcAnimation* animation, const qcGpuDevice* device, qcGpuRun* run, qcGpuRow* row)
 {
     Bench bench = {.animation = animation, .def = qcDefaultDetectDef()};
     bench.def.method = run->method;
     bench.def.threads = run->threads;
     run->steady = true;
     qcStopwatch_Rest();
-    bool ran = qcAnimatedScene_Open(animation, device, &bench.ours);
+    bool ran = qcAnimatedScene_Open(animation, device->device, &bench.ours), isSoftware = device->info.software;
     if (ran)
-        ran = run->method == qc_methodLayers ? MeasureLayers(&bench, run, row) : Time(&bench, run);
+        ran = run->method == qc_methodLayers ? MeasureLayers(&bench, isSoftware, run, row)
+                                             : Time(&bench, isSoftware, run);
     qcAnimatedScene_Close(&bench.ours);
     return ran;
 }
@@ -258,12 +259,13 @@ bool qcGpu_Measure(const qcGpuOptions* options, const qcGpuDevice* device, int s
     qcProgress_Begin(0, qcGpuScene_Name(scene));
     *row = (qcGpuRow){.scene = scene, .bodies = animation->bodyCount, .triangles = animation->triangleCount};
     row->runs[row->runCount++] = (qcGpuRun){.method = qc_methodLayers, .threads = options->threads};
+    row->runs[row->runCount++] = (qcGpuRun){.method = qc_methodAuto, .threads = options->threads};
     row->runs[row->runCount++] = (qcGpuRun){.method = qc_methodSweep, .threads = 1};
     if (options->threads != 1)
         row->runs[row->runCount++] = (qcGpuRun){.method = qc_methodSweep, .threads = options->threads};
     for (uint32_t i = 0; measured && i < row->runCount; ++i)
     {
-        measured = MeasureRun(animation, device->device, &row->runs[i], row);
+        measured = MeasureRun(animation, device, &row->runs[i], row);
         if (!measured)
             qcMessage_Fail(message, "%s, %u triangles, %s: %s", qcGpuScene_Name(scene), row->triangles,
                            qcMethod_Name(row->runs[i].method), qcLastMessage());

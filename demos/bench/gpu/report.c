@@ -32,9 +32,10 @@ static void WriteRuns(FILE* stream, const qcGpuRow* row)
     fprintf(stream, "%9" PRIu32, row->triangles);
     for (uint32_t i = 0; i < row->runCount; ++i)
         fprintf(stream, " %11.3f", row->runs[i].ms);
-    const qcGpuRun *layers = &row->runs[0], *sweep = &row->runs[row->runCount - 1];
-    fprintf(stream, " %9.2f %9" PRIu64 "  %016" PRIx64 "  %s\n", layers->ms > 0.0 ? sweep->ms / layers->ms : 0.0,
-            layers->pairs, layers->hashes[0],
+    const qcGpuRun *layers = &row->runs[0], *automatic = &row->runs[1], *sweep = &row->runs[row->runCount - 1];
+    double better = layers->ms < sweep->ms ? layers->ms : sweep->ms;
+    fprintf(stream, " %9.2f %13.2f %9" PRIu64 "  %016" PRIx64 "  %s\n", layers->ms > 0.0 ? sweep->ms / layers->ms : 0.0,
+            better > 0.0 ? automatic->ms / better : 0.0, layers->pairs, layers->hashes[0],
             row->failure[0] != 0   ? row->failure
             : qcGpuRow_Agrees(row) ? "equal"
                                    : "DIFFERENT");
@@ -112,11 +113,11 @@ void qcGpu_WriteScene(FILE* stream, const qcGpuTable* table, int scene)
         ++rowCount;
     if (rowCount == 0)
         return;
-    fprintf(stream, "\n%s: %s, ms a step; speed-up over sweep on %" PRIu32 "\n%9s", qcGpuScene_Name(scene),
+    fprintf(stream, "\n%s: %s, ms a step; speed-up of layers over sweep on %" PRIu32 "\n%9s", qcGpuScene_Name(scene),
             qcGpuScene_Title(scene), rows[0].runs[rows[0].runCount - 1].threads, "triangles");
     for (uint32_t i = 0; i < rows[0].runCount; ++i)
         fprintf(stream, " %6s %4" PRIu32, qcMethod_Name(rows[0].runs[i].method), rows[0].runs[i].threads);
-    fprintf(stream, " %9s %9s  %-16s  %s\n", "speed-up", "pairs", "hash", "lists");
+    fprintf(stream, " %9s %13s %9s  %-16s  %s\n", "speed-up", "auto / better", "pairs", "hash", "lists");
     for (uint32_t i = 0; i < rowCount; ++i)
         WriteRuns(stream, &rows[i]);
     WriteSizes(stream, "device, ms", rows, rowCount);
