@@ -6,6 +6,7 @@
 #include "base/radix_sort.h"
 #include "base/status.h"
 #include "narrowphase/feature_contacts.h"
+#include "scene/float_positions.h"
 #include "triangle/exact.h"
 #include "triangle/motion_in_parts.h"
 #include "triangle/proximity.h"
@@ -87,7 +88,7 @@ static void LoadCorners(const Job* job, uint32_t global, Corners* corners)
     corners->indices = corners->body->indices + 3 * (size_t)triangle;
     if (!job->def->motion)
     {
-        qcBody_GetTriangle(corners->body, triangle, corners->corner);
+        qcBody_GetNewestTriangle(corners->body, triangle, corners->corner);
         return;
     }
     qcBody_GetStartTriangle(corners->body, triangle, corners->corner);
@@ -195,6 +196,39 @@ static void FindContacts(const Job* job, qcNarrowphaseWorker* worker, const uint
     }
 }
 
+/// Fetches the corner indices of a pair's triangles into the caches, or, once these are there, the corners.
+static void FetchPair(const Job* job, uint64_t key, bool corners)
+{
+    const uint32_t globals[] = {(uint32_t)(key >> 32), (uint32_t)key};
+    for (int i = 0; i < 2; i++)
+    {
+        Side side = SideOf(job->triangles, globals[i]);
+        const qcBody* body = qcStepTriangles_Body(job->triangles, side.body);
+        if (corners)
+            qcBody_FetchNewestTriangle(body, side.triangle);
+        else
+            __builtin_prefetch(body->indices + 3 * (size_t)side.triangle);
+    }
+}
+
+/// Tests the pairs of a block. Pairs of a device lie apart in memory.
+static void TestPairs(const Job* job, qcNarrowphaseWorker* worker, size_t first, size_t end)
+{
+    const uint64_t* keys = job->keys->data;
+    const size_t ahead = 2, count = job->keys->count; // a test takes longer than a fetch
+    Corners corners[2];                               // too large to be cleared for each block
+    corners[0].filled = corners[1].filled = false;
+    corners[0].own = corners[1].own = (BodyTriangles){0, 0, 0};
+    for (size_t i = first; i < end && qcWorkerResult_IsOk(&worker->result); i++)
+    {
+        if (i + 2 * ahead < count)
+            FetchPair(job, keys[i + 2 * ahead], false);
+        if (i + ahead < count)
+            FetchPair(job, keys[i + ahead], true);
+        TestPair(job, worker, keys[i], corners);
+    }
+}
+
 static size_t BlockCount(const qcArray* keys)
 {
     return (keys->count + qc_blockSize - 1) / qc_blockSize;
@@ -208,11 +242,8 @@ static void TakeBlock(void* context, size_t block, uint32_t workerIndex)
     const qcArray* keys = contactsOnly ? job->contactKeys : job->keys;
     size_t first = (contactsOnly ? block - job->keyBlocks : block) * qc_blockSize;
     size_t end = first + qc_blockSize < keys->count ? first + qc_blockSize : keys->count;
-    Corners corners[2]; // too large to be cleared for each block
-    corners[0].filled = corners[1].filled = false;
-    corners[0].own = corners[1].own = (BodyTriangles){0, 0, 0};
-    for (size_t i = first; i < end && !contactsOnly && qcWorkerResult_IsOk(&worker->result); i++)
-        TestPair(job, worker, QC_AT(uint64_t, *keys, i), corners);
+    if (!contactsOnly)
+        TestPairs(job, worker, first, end);
     if (job->def->contactMargin == 0.0)
         return;
     double start = qcClock_Now();

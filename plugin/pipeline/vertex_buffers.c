@@ -151,72 +151,6 @@ qcStatus qcVertexBuffers_KeepFloats(const qcStep* step, const qcStepTriangles* t
     return qc_statusOk;
 }
 
-/// The triangles whose positions a step reads: those of pairs that need an exact test, maybe of classified pairs too.
-typedef struct ReadTriangles
-{
-    const qcStepTriangles* triangles;
-    const qcCandidates* candidates;
-    size_t count; ///< two a pair
-} ReadTriangles;
-
-static const qcBody* FindRead(const ReadTriangles* read, size_t i, uint32_t* triangle)
-{
-    const qcArray *keys = &read->candidates->keys, *classified = &read->candidates->classified;
-    uint64_t key = i / 2 < keys->count ? QC_AT(uint64_t, *keys, i / 2)
-                                       : qcRelatedPair_Key(QC_AT(uint64_t, *classified, i / 2 - keys->count));
-    uint32_t global = i % 2 == 0 ? (uint32_t)(key >> 32) : (uint32_t)key;
-    uint32_t body = qcStepTriangles_BodyOf(read->triangles, global);
-    *triangle = global - qcStepTriangles_First(read->triangles, body);
-    return qcStepTriangles_Body(read->triangles, body);
-}
-
-/// Converts the positions of the triangles. They lie apart: indices and positions are fetched ahead.
-static void ConvertRead(const ReadTriangles* read)
-{
-    const size_t ahead = 8; // two fetches in a row, each about 100 ns
-    const qcBody* body;
-    uint32_t triangle;
-    for (size_t i = 0; i < read->count + 2 * ahead; i++)
-    {
-        if (i < read->count)
-        {
-            body = FindRead(read, i, &triangle);
-            __builtin_prefetch(body->indices + 3 * (size_t)triangle);
-        }
-        if (i >= ahead && i - ahead < read->count)
-        {
-            body = FindRead(read, i - ahead, &triangle);
-            qcFloatPositions_FetchTriangle(body, triangle);
-        }
-        if (i >= 2 * ahead)
-        {
-            body = FindRead(read, i - 2 * ahead, &triangle);
-            qcFloatPositions_ConvertTriangle(body, triangle);
-        }
-    }
-}
-
-/// Converts the positions of triangles that the step reads, or all where that is less work.
-static void ConvertFloats(const qcStepTriangles* triangles, const qcCandidates* candidates, bool readsClassified)
-{
-    const ReadTriangles read = {triangles, candidates,
-                                2 * (candidates->keys.count + (readsClassified ? candidates->classified.count : 0))};
-    size_t inFloats = 0;
-    for (uint32_t body = 0; body < triangles->bodyCount; body++)
-        inFloats += qcBody_IsInFloats(qcStepTriangles_Body(triangles, body))
-                        ? qcStepTriangles_Body(triangles, body)->vertexCount
-                        : 0;
-    // A triangle of the list takes about as long as this many vertices in a row (cloth of 92 K).
-    const size_t inRow = 10;
-    if (inFloats == 0)
-        return;
-    if (inRow * read.count < inFloats)
-        ConvertRead(&read);
-    else
-        for (uint32_t body = 0; body < triangles->bodyCount; body++)
-            qcFloatPositions_Convert(qcStepTriangles_Body(triangles, body));
-}
-
 //  ---- triangles of candidates -------------------------------------------------------------------------------------
 
 typedef struct Listing
@@ -297,7 +231,6 @@ qcStatus qcVertexBuffers_Gather(const qcStep* step, const qcStepTriangles* trian
     const Listing listing = {triangles, b};
     bool any, listsClassified = step->def->segments || step->def->proximities;
     b->items.count = 0;
-    ConvertFloats(triangles, candidates, listsClassified);
     QC_TRY(BeginLists(triangles, &any));
     for (size_t i = 0; any && i < candidates->keys.count; i++)
         QC_TRY(ListPair(&listing, QC_AT(uint64_t, candidates->keys, i)));

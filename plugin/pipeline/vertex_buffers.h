@@ -42,11 +42,11 @@ void qcVertexBuffers_LeaveFloats(const qcStepTriangles* triangles, const qcBodyP
                                  const uint8_t* handledElsewhere);
 
 /// After a step in which positions of candidates suffice: the next floats of bodies whose pairs a device or BVHs find
-/// become doubles only where a step needs them. `follows`: Verlet lists were in use, which need doubles.
+/// stay floats until a step needs doubles. `follows`: Verlet lists were in use, which need doubles.
 qcStatus qcVertexBuffers_KeepFloats(const qcStep* step, const qcStepTriangles* triangles,
                                     const qcIslandRouting* routing, bool follows, qcBodies* bodies);
 
-/// Brings qcBody::world up to date for triangles in candidate pairs whose positions the step reads.
+/// Brings qcBody::world up to date for triangles in candidate pairs whose positions the step reads from the device.
 qcStatus qcVertexBuffers_Gather(const qcStep* step, const qcStepTriangles* triangles, const qcCandidates* candidates,
                                 qcVertexBuffers* buffers, qcProfile* profile);
 void qcVertexBuffers_Free(qcVertexBuffers* buffers);

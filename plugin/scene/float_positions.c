@@ -59,29 +59,6 @@ void qcFloatPositions_Leave(const qcBody* body)
     body->floats->kept = false;
 }
 
-void qcFloatPositions_ConvertTriangle(const qcBody* body, uint32_t triangle)
-{
-    if (!qcBody_IsInFloats(body))
-        return;
-    for (int c = 0; c < 3; c++)
-    {
-        uint32_t vertex = body->indices[3 * (size_t)triangle + (size_t)c];
-        qcBody_GetNewestVertex(body, vertex, body->world + 3 * (size_t)vertex);
-    }
-}
-
-void qcFloatPositions_FetchTriangle(const qcBody* body, uint32_t triangle)
-{
-    if (!qcBody_IsInFloats(body))
-        return;
-    for (int c = 0; c < 3; c++)
-    {
-        const size_t at = 3 * (size_t)body->indices[3 * (size_t)triangle + (size_t)c];
-        __builtin_prefetch(body->floats->at + at);
-        __builtin_prefetch(body->world + at, 1);
-    }
-}
-
 void qcFloatPositions_Replace(qcBody* body)
 {
     float* previous = body->floats->at;

@@ -1,6 +1,6 @@
-// A deforming body's positions as floats, the caller's, for steps that read no others: doubles are made of those
-// vertices alone that a stage reads. Kept for bodies whose pairs a device finds, and in the sweep where no Verlet list
-// follows them.
+// A deforming body's positions as floats, the caller's, for steps that read no others: the exact test reads those of
+// its candidates here, and no doubles are stored. Kept for bodies whose pairs a device finds, and in the sweep where no
+// Verlet list follows them.
 #ifndef QC_SCENE_FLOAT_POSITIONS_H
 #define QC_SCENE_FLOAT_POSITIONS_H
 
@@ -30,15 +30,31 @@ static inline void qcBody_GetNewestVertex(const qcBody* body, uint32_t vertex, d
             position[axis] = (double)body->floats->at[3 * (size_t)vertex + (size_t)axis];
 }
 
+/// World positions of a triangle's corners, wherever they are.
+static inline void qcBody_GetNewestTriangle(const qcBody* body, uint32_t triangle, double corners[3][3])
+{
+    const uint32_t* index = body->indices + 3 * (size_t)triangle;
+    for (int c = 0; c < 3; c++)
+        qcBody_GetNewestVertex(body, index[c], corners[c]);
+}
+
+/// Fetches the positions that qcBody_GetNewestTriangle reads into the caches.
+static inline void qcBody_FetchNewestTriangle(const qcBody* body, uint32_t triangle)
+{
+    const uint32_t* index = body->indices + 3 * (size_t)triangle;
+    for (int c = 0; c < 3; c++)
+        if (qcBody_IsInFloats(body))
+            __builtin_prefetch(body->floats->at + 3 * (size_t)index[c]);
+        else
+            __builtin_prefetch((body->world != NULL ? body->world : body->local) + 3 * (size_t)index[c]);
+}
+
 /// The body's next floats are kept. Nothing changes for rigid bodies and for positions in double.
 qcStatus qcFloatPositions_Keep(qcBody* body);
 /// Brings qcBody::world up to date; the body's next positions are read into doubles. O(vertices) if it was older.
 void qcFloatPositions_Leave(const qcBody* body);
-/// Brings qcBody::world up to date for all vertices, or for those of a triangle.
+/// Brings qcBody::world up to date.
 void qcFloatPositions_Convert(const qcBody* body);
-void qcFloatPositions_ConvertTriangle(const qcBody* body, uint32_t triangle);
-/// Fetches into the caches what ConvertTriangle needs.
-void qcFloatPositions_FetchTriangle(const qcBody* body, uint32_t triangle);
 /// The spare positions become the present ones.
 void qcFloatPositions_Replace(qcBody* body);
 /// Before the body is freed.

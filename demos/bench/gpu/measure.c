@@ -130,7 +130,7 @@ static void KeepStep(const Bench* bench, StageTimes* times, qcGpuRow* row)
         triangles -= part->threadMs > 0.0 ? part->threadMs : 0.0;
     }
     Keep(times, row, stage++, "candidates", triangles > 0.0 ? triangles : 0.0, -1.0);
-    // The list of the PCS, and doubles for the exact test.
+    // The list of the PCS, and positions on the device that the exact test reads.
     Keep(times, row, stage++, "report", rest > 0.0 ? rest : 0.0, -1.0);
     Keep(times, row, stage++, "exact", p->exactMs, -1.0);
 }
