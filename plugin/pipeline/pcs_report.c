@@ -1,54 +1,83 @@
-// A bitmap of global triangle indices, then lists.
+// A bitmap of global triangle indices, in two levels so that empty parts cost nothing, then lists.
 #include "pipeline/pcs_report.h"
 
 #include "base/status.h"
 
-#include <string.h>
-
-static void Mark(uint64_t* bits, uint32_t triangle)
+static void Mark(qcPcsReport* report, uint32_t triangle)
 {
-    bits[triangle / 64] |= UINT64_C(1) << triangle % 64;
+    QC_AT(uint64_t, report->bits, triangle / 64) |= UINT64_C(1) << triangle % 64;
+    QC_AT(uint64_t, report->groups, triangle / 4096) |= UINT64_C(1) << triangle / 64 % 64;
 }
 
-static void MarkKey(uint64_t* bits, uint64_t key)
+static void MarkKey(qcPcsReport* report, uint64_t key)
 {
-    Mark(bits, (uint32_t)(key >> 32));
-    Mark(bits, (uint32_t)key);
+    Mark(report, (uint32_t)(key >> 32));
+    Mark(report, (uint32_t)key);
 }
 
 static void MarkAll(const qcStepTriangles* triangles, const qcPcs* pcs, const qcCandidates* candidates, bool ofImage,
-                    uint64_t* bits)
+                    qcPcsReport* report)
 {
     for (uint32_t triangle = 0; ofImage && triangle < triangles->count; triangle++)
         if (QC_AT(uint8_t, pcs->triangleSets, triangle) != 0)
-            Mark(bits, triangle);
+            Mark(report, triangle);
     const uint64_t* keys = candidates->keys.data;
     for (size_t i = 0; !ofImage && i < candidates->keys.count; i++)
-        MarkKey(bits, keys[i]);
+        MarkKey(report, keys[i]);
     const uint64_t* classified = candidates->classified.data;
     for (size_t i = 0; i < candidates->classified.count; i++)
-        MarkKey(bits, qcRelatedPair_Key(classified[i]));
+        MarkKey(report, qcRelatedPair_Key(classified[i]));
 }
 
-/// Lists the marked triangles.
-static qcStatus ListTriangles(const qcStepTriangles* triangles, size_t words, qcPcsReport* report)
+/// Takes the lowest bit of a word that is not 0.
+static uint32_t TakeBit(uint64_t* word)
 {
-    const uint64_t* bits = report->bits.data;
-    size_t count = 0, at = 0;
-    for (size_t w = 0; w < words; w++)
-        count += bits[w] != 0 ? (size_t)__builtin_popcountll(bits[w]) : 0;
-    QC_TRY(qcArray_Resize(&report->triangles, count, sizeof(qcTriangleRef), "the PCS"));
+    uint32_t bit = (uint32_t)__builtin_ctzll(*word);
+    *word &= *word - 1;
+    return bit;
+}
+
+static size_t CountMarked(const qcPcsReport* report)
+{
+    size_t count = 0;
+    for (size_t g = 0; g < report->groups.count; g++)
+        for (uint64_t words = QC_AT(uint64_t, report->groups, g); words != 0;)
+            count += (size_t)__builtin_popcountll(QC_AT(uint64_t, report->bits, 64 * g + TakeBit(&words)));
+    return count;
+}
+
+/// Lists the marked triangles, and clears the marks.
+static void TakeMarked(const qcStepTriangles* triangles, qcPcsReport* report)
+{
+    size_t at = 0;
     uint32_t body = 0;
-    for (size_t w = 0; w < words; w++)
-        for (uint64_t left = bits[w]; left != 0; left &= left - 1)
+    for (size_t g = 0; g < report->groups.count; g++)
+    {
+        for (uint64_t words = QC_AT(uint64_t, report->groups, g); words != 0;)
         {
-            uint32_t triangle = (uint32_t)(64 * w) + (uint32_t)__builtin_ctzll(left);
-            while (triangle >= qcStepTriangles_First(triangles, body + 1))
-                body++;
-            QC_AT(qcTriangleRef, report->triangles, at++) = (qcTriangleRef){
-                qcStepTriangles_Slot(triangles, body), triangle - qcStepTriangles_First(triangles, body)};
+            size_t w = 64 * g + TakeBit(&words);
+            for (uint64_t left = QC_AT(uint64_t, report->bits, w); left != 0;)
+            {
+                uint32_t triangle = (uint32_t)(64 * w) + TakeBit(&left);
+                while (triangle >= qcStepTriangles_First(triangles, body + 1))
+                    body++;
+                QC_AT(qcTriangleRef, report->triangles, at++) = (qcTriangleRef){
+                    qcStepTriangles_Slot(triangles, body), triangle - qcStepTriangles_First(triangles, body)};
+            }
+            QC_AT(uint64_t, report->bits, w) = 0;
         }
-    return qc_statusOk;
+        QC_AT(uint64_t, report->groups, g) = 0;
+    }
+}
+
+static qcStatus ListTriangles(const qcStepTriangles* triangles, qcPcsReport* report)
+{
+    qcStatus status = qcArray_Resize(&report->triangles, CountMarked(report), sizeof(qcTriangleRef), "the PCS");
+    if (status == qc_statusOk)
+        TakeMarked(triangles, report);
+    else
+        report->bits.count = report->groups.count = 0; // the next step clears them
+    return status;
 }
 
 /// Fills the sets of the listed triangles, in the same order.
@@ -124,11 +153,10 @@ qcStatus qcPcsReport_Fill(const qcStepTriangles* triangles, const qcPcs* pcs, co
 {
     size_t words = ((size_t)triangles->count + 63) / 64;
     report->sets.count = report->pairs.count = 0;
-    QC_TRY(qcArray_Resize(&report->bits, words, sizeof(uint64_t), "the PCS"));
-    if (words != 0)
-        memset(report->bits.data, 0, words * sizeof(uint64_t));
-    MarkAll(triangles, pcs, candidates, ofImage, report->bits.data);
-    QC_TRY(ListTriangles(triangles, words, report));
+    QC_TRY(qcArray_GrowZeroed(&report->bits, words, sizeof(uint64_t), "the PCS"));
+    QC_TRY(qcArray_GrowZeroed(&report->groups, (words + 63) / 64, sizeof(uint64_t), "the PCS"));
+    MarkAll(triangles, pcs, candidates, ofImage, report);
+    QC_TRY(ListTriangles(triangles, report));
     if (def->sets && ofImage)
         QC_TRY(ListSets(pcs, report));
     return def->candidates ? ListCandidates(triangles, candidates, report) : qc_statusOk;
@@ -140,6 +168,7 @@ void qcPcsReport_Free(qcPcsReport* report)
     qcArray_Free(&report->sets);
     qcArray_Free(&report->pairs);
     qcArray_Free(&report->bits);
+    qcArray_Free(&report->groups);
     qcArray_Free(&report->items);
     qcArray_Free(&report->scratch);
 }

@@ -9,7 +9,9 @@ typedef struct qcPcsReport
     qcArray triangles; ///< of qcTriangleRef, sorted
     qcArray sets;      ///< of qcTriangleSets, one for each triangle; empty unless requested
     qcArray pairs;     ///< of qcCandidate, sorted; empty unless requested
-    qcArray bits;      ///< scratch: a bit a triangle, since most triangles of most scenes are not in the PCS
+    /// Scratch: a bit a triangle, since most triangles of most scenes are not in the PCS, and a bit for each 64 of
+    /// those bits. All are 0 between steps.
+    qcArray bits, groups;
     qcArray items, scratch;
 } qcPcsReport;
 

@@ -11,9 +11,13 @@ qcStatus qcPcs_Reset(uint32_t bodyCount, uint32_t triangleCount, qcPcs* pcs)
     QC_TRY(qcArray_Resize(&pcs->triangleSets, triangleCount, 1, "the PCS"));
     if (bodyCount != 0)
         memset(pcs->bodySets.data, qc_setNfv, bodyCount);
-    if (triangleCount != 0)
-        memset(pcs->triangleSets.data, qcPcs_Pack(qc_setBfv, qc_setBfv), triangleCount);
     return qc_statusOk;
+}
+
+void qcPcs_ResetTriangles(uint32_t first, uint32_t end, qcPcs* pcs)
+{
+    if (first != end)
+        memset(&QC_AT(uint8_t, pcs->triangleSets, first), qcPcs_Pack(qc_setBfv, qc_setBfv), end - first);
 }
 
 void qcPcs_Free(qcPcs* pcs)

@@ -8,12 +8,16 @@
 
 typedef struct qcPcs
 {
-    qcArray bodySets;     ///< uint8_t, by body of the step: its qcVisibilitySet among the bodies
-    qcArray triangleSets; ///< uint8_t, by global triangle index: both sets of the triangle, see qcPcs_Pack
+    qcArray bodySets; ///< uint8_t, by body of the step: its qcVisibilitySet among the bodies
+    /// uint8_t, by global triangle index: both sets of the triangle, see qcPcs_Pack. Undefined for bodies whose pairs a
+    /// device or BVHs find.
+    qcArray triangleSets;
 } qcPcs;
 
-/// Every body in NFV, every triangle in BFV. O(bodyCount + triangleCount).
+/// Every body in NFV; the sets of triangles are undefined. O(bodyCount).
 qcStatus qcPcs_Reset(uint32_t bodyCount, uint32_t triangleCount, qcPcs* pcs);
+/// The triangles from `first` to before `end` in BFV.
+void qcPcs_ResetTriangles(uint32_t first, uint32_t end, qcPcs* pcs);
 void qcPcs_Free(qcPcs* pcs);
 
 /// A triangle's set against triangles of other bodies, and against triangles of its own body, as one byte. 0: both are

@@ -181,6 +181,10 @@ static void MarkAgainstPartners(const qcBodyPairs* pairs, const qcStepTriangles*
 void qcBodyPairs_MarkTriangles(const qcBodyPairs* pairs, const qcStepTriangles* triangles, double queryDistance,
                                bool wholeBodies, uint8_t* handledElsewhere, qcPcs* pcs, qcProfile* profile)
 {
+    for (uint32_t body = 0; body < triangles->bodyCount; body++)
+        if (!handledElsewhere[body])
+            qcPcs_ResetTriangles(qcStepTriangles_First(triangles, body), qcStepTriangles_First(triangles, body + 1),
+                                 pcs);
     MarkAgainstPartners(pairs, triangles, queryDistance, wholeBodies, handledElsewhere, pcs);
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
