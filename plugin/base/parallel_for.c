@@ -194,6 +194,11 @@ void qcParallel_Wake(uint32_t threads)
         qcPool_Wake(threads);
 }
 
+void qcParallel_Rest(void)
+{
+    qcPool_Rest();
+}
+
 typedef struct PublicLoop
 {
     qcLoopFunction* function;

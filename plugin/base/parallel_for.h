@@ -20,6 +20,8 @@ uint32_t qcParallel_Threads(uint32_t requested);
 
 /// Wakes our own threads, if they sleep, before a step whose first loops are too short to do so.
 void qcParallel_Wake(uint32_t threads);
+/// Our own threads sleep until the next loop, or until they are woken: see qcPool_Rest.
+void qcParallel_Rest(void);
 
 /// Calls the function once for each index below `count`; returns once all calls have returned. `minCount` indices (2 or
 /// more) take as long as waking a thread, 20 to 100 microseconds: fewer run on the calling thread alone. While our own

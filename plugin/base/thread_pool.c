@@ -5,7 +5,7 @@
 
 #include "base/thread_pool.h"
 
-#include "base/clock.h"
+#include "base/spin.h"
 
 #include <pthread.h>
 #include <sched.h>
@@ -15,8 +15,7 @@
 
 enum
 {
-    qc_maxThreads = 255,
-    qc_spinsPerClockRead = 64
+    qc_maxThreads = 255
 };
 
 // Milliseconds that a thread spins for the next loop, and the caller for the end of one.
@@ -43,6 +42,7 @@ typedef struct Pool
     /// The number of the loop, from bit 32; its count of indices, from bit 16, 0 once it is closed to threads; the
     /// number of threads in it.
     _Alignas(64) _Atomic uint64_t word;
+    atomic_bool rests; ///< threads don't spin until the next loop
     _Alignas(64) atomic_bool busy;
     atomic_bool callerSleeps;
 } Pool;
@@ -64,31 +64,6 @@ static uint32_t InsideOf(uint64_t word)
     return (uint32_t)word & 0xffff;
 }
 
-static void Pause(void)
-{
-#if defined(__x86_64__) || defined(__i386__)
-    __builtin_ia32_pause();
-#endif
-}
-
-/// Whether a thread waits no longer: threads for a loop with their index, the caller (index 0) for an empty loop.
-typedef bool IsOver(const Pool* pool, uint32_t index, uint32_t last);
-
-/// Spins until the wait is over, for s_maxSpin at most. True: it is over.
-static bool Spin(const Pool* pool, IsOver* isOver, uint32_t index, uint32_t last)
-{
-    double start = qcClock_Now();
-    do
-        for (int i = 0; i < qc_spinsPerClockRead; i++)
-        {
-            if (isOver(pool, index, last))
-                return true;
-            Pause();
-        }
-    while (qcClock_Now() - start < s_maxSpin);
-    return false;
-}
-
 //  ---- threads -----------------------------------------------------------------------------------------
 
 /// Whether an open loop has the index. `last`: the number of the thread's last loop, which may still be open.
@@ -96,6 +71,26 @@ static bool HasBegun(const Pool* pool, uint32_t index, uint32_t last)
 {
     uint64_t word = atomic_load(&pool->word);
     return NumberOf(word) != last && index < CountOf(word);
+}
+
+/// A thread that waits for a loop.
+typedef struct Wait
+{
+    const Pool* pool;
+    uint32_t index, last; ///< see HasBegun
+} Wait;
+
+static bool IsSpinOver(const void* context)
+{
+    const Wait* wait = context;
+    return HasBegun(wait->pool, wait->index, wait->last) || atomic_load(&wait->pool->rests);
+}
+
+/// Spins for a loop, for s_maxSpin at most. True: one has begun.
+static bool Spin(const Pool* pool, uint32_t index, uint32_t last)
+{
+    const Wait wait = {pool, index, last};
+    return qcSpin_Until(IsSpinOver, &wait, s_maxSpin) && HasBegun(pool, index, last);
 }
 
 /// Sleeps until a loop has begun, threads are woken, or the process ends. False: it ends.
@@ -116,7 +111,7 @@ static bool Sleep(Pool* pool, Thread* thread, uint32_t last)
 /// Waits for a loop. False: the process ends.
 static bool WaitForLoop(Pool* pool, Thread* thread, uint32_t last)
 {
-    while (!Spin(pool, HasBegun, thread->index, last))
+    while (!Spin(pool, thread->index, last))
         if (!Sleep(pool, thread, last))
             return false;
     return true;
@@ -188,10 +183,9 @@ static bool StartThreads(Pool* pool, uint32_t requested)
 
 //  ---- the caller ----------------------------------------------------------------------------------------
 
-static bool IsEmpty(const Pool* pool, uint32_t index, uint32_t last)
+static bool IsEmpty(const void* context)
 {
-    (void)index;
-    (void)last;
+    const Pool* pool = context;
     return InsideOf(atomic_load(&pool->word)) == 0;
 }
 
@@ -217,6 +211,7 @@ static void Begin(Pool* pool, uint32_t count, qcTask* task, void* taskContext)
 {
     pool->task = task;
     pool->taskContext = taskContext;
+    atomic_store(&pool->rests, false);
     uint64_t next = (uint64_t)(NumberOf(atomic_load(&pool->word)) + 1) << 32;
     atomic_store(&pool->word, next | (uint64_t)count << 16);
     WakeThreads(pool, count);
@@ -225,11 +220,11 @@ static void Begin(Pool* pool, uint32_t count, qcTask* task, void* taskContext)
 static void End(Pool* pool, uint32_t count)
 {
     atomic_fetch_sub(&pool->word, (uint64_t)count << 16);
-    if (Spin(pool, IsEmpty, 0, 0))
+    if (qcSpin_Until(IsEmpty, pool, s_maxSpin))
         return;
     pthread_mutex_lock(&pool->mutex);
     atomic_store(&pool->callerSleeps, true);
-    while (!IsEmpty(pool, 0, 0))
+    while (!IsEmpty(pool))
         pthread_cond_wait(&pool->finished, &pool->mutex);
     atomic_store(&pool->callerSleeps, false);
     pthread_mutex_unlock(&pool->mutex);
@@ -255,7 +250,13 @@ void qcPool_Run(uint32_t count, qcTask* task, void* taskContext)
 
 void qcPool_Wake(uint32_t count)
 {
+    atomic_store(&s_pool.rests, false);
     WakeThreads(&s_pool, count);
+}
+
+void qcPool_Rest(void)
+{
+    atomic_store(&s_pool.rests, true);
 }
 
 bool qcPool_IsAwake(void)

@@ -20,6 +20,10 @@ void qcPool_Run(uint32_t count, qcTask* task, void* taskContext);
 /// there are any.
 void qcPool_Wake(uint32_t count);
 
+/// Threads sleep at once, rather than spin for the next loop: the caller waits for something else, which needs their
+/// cores.
+void qcPool_Rest(void);
+
 /// Whether threads spin for the next loop, and begin it within a microsecond. They do so for a while after each loop.
 bool qcPool_IsAwake(void);
 

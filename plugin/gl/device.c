@@ -7,11 +7,14 @@
 #include "base/clock.h"
 #include "base/definition.h"
 #include "base/float_mode.h"
+#include "base/parallel_for.h"
+#include "base/thread_pool.h"
 #include "gl/cache_files.h"
 #include "gl/context.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "gl/device_def.h"
+#include "gl/hand_over.h"
 #include "gl/reopening.h"
 
 #include <assert.h>
@@ -41,15 +44,6 @@ typedef struct MeasuredCosts
     qcPlanCosts costs;
 } MeasuredCosts;
 
-typedef enum TurnState
-{
-    turn_idle,
-    turn_posted, ///< the thread has a job to do
-    turn_done,   ///< the caller has a result to fetch
-    turn_reopen, ///< the thread opens a new context in place of the lost one; nobody waits
-    turn_quit
-} TurnState;
-
 struct qcDevice
 {
     qcDeviceKind kind;
@@ -67,13 +61,11 @@ struct qcDevice
     pthread_mutex_t callers; ///< held by the caller whose job runs
     MeasuredCosts costs[qc_maxCosts];
     pthread_mutex_t costsMutex; ///< guards `costs`
-    pthread_mutex_t mutex;      ///< guards the fields below
-    pthread_cond_t changed;
+    qcHandOver handOver;        ///< its mutex guards the fields below
     bool open, lost;
     uint32_t generation; ///< number of contexts opened
     qcReopening reopening;
     uint32_t holders; ///< the context is not closed while there are any
-    TurnState turn;
     qcDeviceJob* job;
     void* jobContext;
     const char* purpose;
@@ -183,15 +175,14 @@ static void PostResult(qcDevice* device, qcStatus status)
     device->status = status;
     if (status != qc_statusOk)
         snprintf(device->message, sizeof device->message, "%s", qcLastMessage());
-    device->turn = turn_done;
-    pthread_cond_broadcast(&device->changed);
+    qcHandOver_Set(&device->handOver, qc_turnDone);
 }
 
 /// Opens a new context in place of the lost one. The device's mutex is held, but not meanwhile. `hasContext`: whether
 /// one is open, in and out.
 static void ReopenLost(qcDevice* device, bool* hasContext)
 {
-    pthread_mutex_unlock(&device->mutex);
+    qcHandOver_Unlock(&device->handOver);
     if (*hasContext)
         s_kinds[device->kind].close(&device->context);
     qcStatus status = OpenSameContext(device);
@@ -199,7 +190,7 @@ static void ReopenLost(qcDevice* device, bool* hasContext)
         qcLog("device %s: opened again after its context was lost", s_kinds[device->kind].name);
     else
         qcLog("device %s: not opened again: %s", s_kinds[device->kind].name, qcLastMessage());
-    pthread_mutex_lock(&device->mutex);
+    qcHandOver_Lock(&device->handOver);
     *hasContext = status == qc_statusOk;
     if (*hasContext)
     {
@@ -210,17 +201,17 @@ static void ReopenLost(qcDevice* device, bool* hasContext)
     }
     else
         qcReopening_Fail(&device->reopening, qcClock_Now());
-    if (device->turn == turn_reopen)
-        device->turn = turn_idle;
+    if (qcHandOver_Turn(&device->handOver) == qc_turnReopen)
+        qcHandOver_Set(&device->handOver, qc_turnIdle);
 }
 
 /// Runs the posted job. The device's mutex is held, but not meanwhile.
 static void RunTurn(qcDevice* device)
 {
     bool lost = false;
-    pthread_mutex_unlock(&device->mutex);
+    qcHandOver_Unlock(&device->handOver);
     qcStatus status = RunJob(device, &lost);
-    pthread_mutex_lock(&device->mutex);
+    qcHandOver_Lock(&device->handOver);
     if (lost)
         qcReopening_Fail(&device->reopening, qcClock_Now());
     device->lost = lost;
@@ -236,7 +227,7 @@ static void* ServeCallers(void* argument)
     bool hasContext = opened == qc_statusOk;
     if (hasContext)
         ReadLimits(device);
-    pthread_mutex_lock(&device->mutex);
+    qcHandOver_Lock(&device->handOver);
     if (hasContext)
     {
         device->reopening = qcReopening_Begin(device->reopening.firstPause, qcClock_Now());
@@ -247,16 +238,15 @@ static void* ServeCallers(void* argument)
     PostResult(device, opened);
     while (opened == qc_statusOk)
     {
-        while (device->turn != turn_posted && device->turn != turn_reopen && device->turn != turn_quit)
-            pthread_cond_wait(&device->changed, &device->mutex);
-        if (device->turn == turn_quit)
+        qcTurn turn = qcHandOver_WaitForWork(&device->handOver);
+        if (turn == qc_turnQuit)
             break;
-        if (device->turn == turn_reopen)
+        if (turn == qc_turnReopen)
             ReopenLost(device, &hasContext);
         else
             RunTurn(device);
     }
-    pthread_mutex_unlock(&device->mutex);
+    qcHandOver_Unlock(&device->handOver);
     if (hasContext)
         s_kinds[device->kind].close(&device->context);
     return NULL;
@@ -265,9 +255,7 @@ static void* ServeCallers(void* argument)
 // The device's mutex is held.
 static qcStatus WaitForResult(qcDevice* device)
 {
-    while (device->turn != turn_done)
-        pthread_cond_wait(&device->changed, &device->mutex);
-    device->turn = turn_idle;
+    qcHandOver_WaitForResult(&device->handOver);
     return device->status;
 }
 
@@ -299,13 +287,25 @@ static bool StartThread(qcDevice* device)
     return started;
 }
 
+/// Whether the device's thread and its caller spin for each other: with a GPU, and cores left for the threads of loops.
+/// The environment variable QC_DEVICE_WAIT (spin, sleep) decides otherwise.
+static bool MaySpin(const qcDevice* device)
+{
+    const char* choice = getenv("QC_DEVICE_WAIT");
+    if (choice != NULL && strcmp(choice, "spin") == 0)
+        return true;
+    if (choice != NULL && strcmp(choice, "sleep") == 0)
+        return false;
+    return !device->gpu.software && qcPool_CoreCount() > 2;
+}
+
 /// Opens the device as one kind. On failure the device's message gives the reason, and another kind may be tried.
 static qcStatus OpenKind(qcDevice* device, qcDeviceKind kind)
 {
     device->kind = kind;
     if (kind == qc_deviceNone)
         return qc_statusOk;
-    device->turn = turn_idle;
+    qcHandOver_Begin(&device->handOver);
     if (!ClaimGl(device))
         return qc_statusDevice;
     if (!StartThread(device))
@@ -313,9 +313,10 @@ static qcStatus OpenKind(qcDevice* device, qcDeviceKind kind)
         snprintf(device->message, sizeof device->message, "no thread can be started");
         return qc_statusDevice;
     }
-    pthread_mutex_lock(&device->mutex);
+    qcHandOver_Lock(&device->handOver);
     qcStatus status = WaitForResult(device);
-    pthread_mutex_unlock(&device->mutex);
+    device->handOver.spins = status == qc_statusOk && MaySpin(device);
+    qcHandOver_Unlock(&device->handOver);
     if (status != qc_statusOk)
         pthread_join(device->thread, NULL);
     return status;
@@ -323,21 +324,19 @@ static qcStatus OpenKind(qcDevice* device, qcDeviceKind kind)
 
 static void CloseKind(qcDevice* device)
 {
-    pthread_mutex_lock(&device->mutex);
+    qcHandOver_Lock(&device->handOver);
     bool open = device->open;
     device->open = false;
     device->lost = true;
-    device->turn = turn_quit;
-    pthread_cond_broadcast(&device->changed);
-    pthread_mutex_unlock(&device->mutex);
+    qcHandOver_Set(&device->handOver, qc_turnQuit);
+    qcHandOver_Unlock(&device->handOver);
     if (open)
         pthread_join(device->thread, NULL);
 }
 
 static void FreeDevice(qcDevice* device)
 {
-    pthread_cond_destroy(&device->changed);
-    pthread_mutex_destroy(&device->mutex);
+    qcHandOver_Destroy(&device->handOver);
     pthread_mutex_destroy(&device->costsMutex);
     pthread_mutex_destroy(&device->callers);
     qcFree(device, sizeof *device);
@@ -382,9 +381,8 @@ qcStatus qcDevice_Create(const qcDeviceDef* given, qcDevice** result)
         return qcFailMemory(sizeof *device, "a device");
     device->process = getpid();
     pthread_mutex_init(&device->callers, NULL);
-    pthread_mutex_init(&device->mutex, NULL);
     pthread_mutex_init(&device->costsMutex, NULL);
-    pthread_cond_init(&device->changed, NULL);
+    qcHandOver_Init(&device->handOver);
 
     device->choice = qcDeviceDef_Choice(&def);
     qcCacheFiles_FindFolder(def.cacheFolder, device->cacheFolder);
@@ -442,9 +440,9 @@ static bool IsLost(qcDevice* device)
 {
     if (device->kind != qc_deviceNone && IsInOtherProcess(device))
         return true;
-    pthread_mutex_lock(&device->mutex);
+    qcHandOver_Lock(&device->handOver);
     bool lost = device->lost;
-    pthread_mutex_unlock(&device->mutex);
+    qcHandOver_Unlock(&device->handOver);
     return lost;
 }
 
@@ -474,19 +472,19 @@ uint32_t qcDevice_GetGeneration(qcDevice* device)
 {
     if (IsInOtherProcess(device))
         return device->generation;
-    pthread_mutex_lock(&device->mutex);
+    qcHandOver_Lock(&device->handOver);
     uint32_t generation = device->generation;
-    pthread_mutex_unlock(&device->mutex);
+    qcHandOver_Unlock(&device->handOver);
     return generation;
 }
 
 /// The mutex is held. Returns at once; the device's thread opens the new context.
 static void ReopenIfDue(qcDevice* device)
 {
-    if (device->turn != turn_idle || device->holders != 0 || !qcReopening_IsDue(&device->reopening, qcClock_Now()))
+    if (qcHandOver_Turn(&device->handOver) != qc_turnIdle || device->holders != 0 ||
+        !qcReopening_IsDue(&device->reopening, qcClock_Now()))
         return;
-    device->turn = turn_reopen;
-    pthread_cond_broadcast(&device->changed);
+    qcHandOver_Set(&device->handOver, qc_turnReopen);
 }
 
 /// The mutex is held. A lost device is opened again if it is time.
@@ -503,8 +501,9 @@ static qcStatus RunPosted(qcDevice* device, qcDeviceJob* job, void* context, con
     device->job = job;
     device->jobContext = context;
     device->purpose = purpose;
-    device->turn = turn_posted;
-    pthread_cond_broadcast(&device->changed);
+    // Threads that spin for the next loop would keep the device's thread, and software GL's, from their cores.
+    qcParallel_Rest();
+    qcHandOver_Set(&device->handOver, qc_turnPosted);
     qcStatus status = WaitForResult(device);
     if (status != qc_statusOk)
         qcFail(status, "%s", device->message);
@@ -526,12 +525,12 @@ qcStatus qcDevice_RunIn(qcDevice* device, uint32_t generation, qcDeviceJob* job,
     assert(!device->open || !pthread_equal(pthread_self(), device->thread));
 
     pthread_mutex_lock(&device->callers);
-    pthread_mutex_lock(&device->mutex);
+    qcHandOver_Lock(&device->handOver);
     bool lost = IsLostNow(device);
     if (generation != QC_ANY_GENERATION && generation != device->generation)
         lost = true;
     qcStatus status = lost ? FailLost(purpose) : RunPosted(device, job, context, purpose);
-    pthread_mutex_unlock(&device->mutex);
+    qcHandOver_Unlock(&device->handOver);
     pthread_mutex_unlock(&device->callers);
     return status;
 }
@@ -541,10 +540,12 @@ qcStatus qcDevice_Hold(qcDevice* device, const char* purpose)
     // A device without a thread has nothing mapped: jobs fail there.
     if (device->kind == qc_deviceNone || IsInOtherProcess(device))
         return qc_statusOk;
-    pthread_mutex_lock(&device->mutex);
+    qcHandOver_Lock(&device->handOver);
     bool lost = IsLostNow(device);
     device->holders += !lost;
-    pthread_mutex_unlock(&device->mutex);
+    if (!lost)
+        qcHandOver_Alert(&device->handOver);
+    qcHandOver_Unlock(&device->handOver);
     return lost ? FailLost(purpose) : qc_statusOk;
 }
 
@@ -552,9 +553,10 @@ void qcDevice_Release(qcDevice* device)
 {
     if (device->kind == qc_deviceNone || IsInOtherProcess(device))
         return;
-    pthread_mutex_lock(&device->mutex);
-    device->holders--;
-    pthread_mutex_unlock(&device->mutex);
+    qcHandOver_Lock(&device->handOver);
+    if (--device->holders == 0)
+        qcHandOver_Calm(&device->handOver);
+    qcHandOver_Unlock(&device->handOver);
 }
 
 bool qcDevice_FindCosts(qcDevice* device, uint32_t threads, qcPlanCosts* costs)

@@ -24,7 +24,8 @@ qcStatus qcDevice_Run(qcDevice* device, qcDeviceJob* job, void* context, const c
 qcStatus qcDevice_RunIn(qcDevice* device, uint32_t generation, qcDeviceJob* job, void* context, const char* purpose);
 
 /// Keeps the device's context, even if it is lost, until qcDevice_Release: for memory that the device has mapped and
-/// other threads use. qc_statusDeviceLost, and nothing to release: the context is lost already.
+/// other threads use. On a GPU the device's thread wakes, and spins for the first job of the step for a while.
+/// qc_statusDeviceLost, and nothing to release: the context is lost already.
 qcStatus qcDevice_Hold(qcDevice* device, const char* purpose);
 void qcDevice_Release(qcDevice* device);
 

@@ -317,6 +317,24 @@ START_TEST(threads_that_sleep_are_woken_by_the_next_loop)
 }
 END_TEST
 
+START_TEST(threads_that_rest_run_the_next_loop)
+{
+    static Ranges ranges;
+    Use(NULL);
+    for (int i = 0; i < 100; i++)
+    {
+        ranges.count[1] = 0;
+        qcParallel_For(2, qc_loopCount, 2, Wait, &ranges);
+        ck_assert_uint_eq(ranges.count[1], qc_loopCount - 1);
+        qcParallel_Rest();
+        if (i % 4 == 0)
+            qcParallel_Wake(2);
+        if (i % 3 == 0)
+            usleep((useconds_t)i * 10);
+    }
+}
+END_TEST
+
 //  ---- scenes ------------------------------------------------------------------------------------------------------
 
 static uint64_t Hash(uint64_t hash, const void* data, size_t size)
@@ -566,6 +584,7 @@ int main(void)
     tcase_add_test(tests, the_largest_come_first_if_one_worker_takes_all);
     tcase_add_test(tests, indices_behind_a_long_one_are_stolen);
     tcase_add_test(tests, threads_that_sleep_are_woken_by_the_next_loop);
+    tcase_add_test(tests, threads_that_rest_run_the_next_loop);
     tcase_add_loop_test(tests, hosts_that_change_step_by_step_give_the_results_of_one_thread, 0, qc_questionCount);
     tcase_add_test(tests, scenes_on_two_threads_share_a_host);
     tcase_add_test(tests, scenes_on_two_threads_share_the_librarys_own_threads);
