@@ -2,6 +2,7 @@
 #ifndef QC_BASE_FOUR_FLOATS_H
 #define QC_BASE_FOUR_FLOATS_H
 
+#include <stdint.h>
 #include <string.h>
 
 #ifdef __SSE__
@@ -9,6 +10,7 @@
 #endif
 
 typedef float qcFourFloats __attribute__((vector_size(16)));
+typedef uint32_t qcFourWords __attribute__((vector_size(16)));
 
 /// No alignment is needed.
 static inline qcFourFloats qcFourFloats_Load(const void* from)
@@ -21,6 +23,16 @@ static inline qcFourFloats qcFourFloats_Load(const void* from)
 static inline void qcFourFloats_Store(qcFourFloats floats, void* to)
 {
     memcpy(to, &floats, sizeof floats);
+}
+
+/// All bits of each place in which one of both is no number.
+static inline qcFourWords qcFourFloats_AreUnordered(qcFourFloats a, qcFourFloats b)
+{
+#ifdef __SSE__
+    return (qcFourWords)_mm_cmpunord_ps((__m128)a, (__m128)b);
+#else
+    return (qcFourWords)((a != a) | (b != b));
+#endif
 }
 
 /// The second where one is no number.

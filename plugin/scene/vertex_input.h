@@ -8,8 +8,8 @@ enum
 {
     // Vertices that are checked or copied at a time, in about a microsecond; a multiple of eight, so that no two blocks
     // share a cache line of doubles. Fewer than so many blocks take less time than waking a thread.
-    qc_inputBlock = 512,
-    qc_minInputBlocks = 32
+    qc_inputBlock = 1024,
+    qc_minInputBlocks = 16
 };
 
 typedef struct qcVertexInput

@@ -191,14 +191,14 @@ START_TEST(floats_give_the_pairs_of_doubles_whatever_is_requested_of_them)
 }
 END_TEST
 
-START_TEST(so_few_candidates_that_only_their_floats_become_doubles_give_the_pairs_of_doubles)
+START_TEST(few_candidates_in_floats_give_the_pairs_of_doubles)
 {
     for (qcDeviceWalk walk = {0}; qcDeviceWalk_Next(&walk);)
         ck_assert_uint_gt(CheckSteps(walk.device, 5, 48, 0.002, 0.0, 12), 0);
 }
 END_TEST
 
-START_TEST(so_many_candidates_that_all_floats_become_doubles_give_the_pairs_of_doubles)
+START_TEST(many_candidates_in_floats_give_the_pairs_of_doubles)
 {
     for (qcDeviceWalk walk = {0}; qcDeviceWalk_Next(&walk);)
         ck_assert_uint_gt(CheckSteps(walk.device, 11, 24, 0.04, 0.0, qc_steps), qc_steps);
@@ -307,7 +307,6 @@ START_TEST(floats_of_bodies_without_a_bvh_give_their_pairs)
 END_TEST
 
 QC_RUN_TESTS("float positions", floats_give_the_pairs_of_doubles_whatever_is_requested_of_them,
-             so_few_candidates_that_only_their_floats_become_doubles_give_the_pairs_of_doubles,
-             so_many_candidates_that_all_floats_become_doubles_give_the_pairs_of_doubles,
+             few_candidates_in_floats_give_the_pairs_of_doubles, many_candidates_in_floats_give_the_pairs_of_doubles,
              floats_of_the_sweep_give_the_pairs_of_brute_force_whatever_is_requested_of_them,
              a_verlet_list_does_not_follow_floats, floats_of_bodies_without_a_bvh_give_their_pairs)
