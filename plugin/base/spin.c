@@ -7,32 +7,37 @@
 
 enum
 {
-    qc_spinsPerClockRead = 64
+    qc_spinsPerClockRead = 64,
+    // A pause takes 20 to 60 ns, and so long as to yield in vain.
+    qc_spinsPerYield = 8
 };
 
-static inline bool Spin(qcSpinTest* isOver, const void* context, double maxMs, bool yields)
+bool qcSpin_Until(qcSpinTest* isOver, const void* context, double maxMs)
 {
     double start = qcClock_Now();
     do
-    {
         for (int i = 0; i < qc_spinsPerClockRead; i++)
         {
             if (isOver(context))
                 return true;
             qcSpin_Pause();
         }
-        if (yields)
-            sched_yield();
-    } while (qcClock_Now() - start < maxMs);
+    while (qcClock_Now() - start < maxMs);
     return false;
-}
-
-bool qcSpin_Until(qcSpinTest* isOver, const void* context, double maxMs)
-{
-    return Spin(isOver, context, maxMs, false);
 }
 
 bool qcSpin_AndYieldUntil(qcSpinTest* isOver, const void* context, double maxMs)
 {
-    return Spin(isOver, context, maxMs, true);
+    double start = qcClock_Now();
+    do
+        for (int i = 0; i < qc_spinsPerClockRead; i++)
+        {
+            if (isOver(context))
+                return true;
+            qcSpin_Pause();
+            if (i % qc_spinsPerYield == qc_spinsPerYield - 1)
+                sched_yield();
+        }
+    while (qcClock_Now() - start < maxMs);
+    return false;
 }
