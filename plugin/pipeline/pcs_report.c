@@ -5,7 +5,10 @@
 
 static void Mark(qcPcsReport* report, uint32_t triangle)
 {
-    QC_AT(uint64_t, report->bits, triangle / 64) |= UINT64_C(1) << triangle % 64;
+    uint64_t* word = &QC_AT(uint64_t, report->bits, triangle / 64);
+    uint64_t bit = UINT64_C(1) << triangle % 64;
+    report->marked += (*word & bit) == 0;
+    *word |= bit;
     QC_AT(uint64_t, report->groups, triangle / 4096) |= UINT64_C(1) << triangle / 64 % 64;
 }
 
@@ -37,15 +40,6 @@ static uint32_t TakeBit(uint64_t* word)
     return bit;
 }
 
-static size_t CountMarked(const qcPcsReport* report)
-{
-    size_t count = 0;
-    for (size_t g = 0; g < report->groups.count; g++)
-        for (uint64_t words = QC_AT(uint64_t, report->groups, g); words != 0;)
-            count += (size_t)__builtin_popcountll(QC_AT(uint64_t, report->bits, 64 * g + TakeBit(&words)));
-    return count;
-}
-
 /// Lists the marked triangles, and clears the marks.
 static void TakeMarked(const qcStepTriangles* triangles, qcPcsReport* report)
 {
@@ -72,7 +66,7 @@ static void TakeMarked(const qcStepTriangles* triangles, qcPcsReport* report)
 
 static qcStatus ListTriangles(const qcStepTriangles* triangles, qcPcsReport* report)
 {
-    qcStatus status = qcArray_Resize(&report->triangles, CountMarked(report), sizeof(qcTriangleRef), "the PCS");
+    qcStatus status = qcArray_Resize(&report->triangles, report->marked, sizeof(qcTriangleRef), "the PCS");
     if (status == qc_statusOk)
         TakeMarked(triangles, report);
     else
@@ -152,7 +146,7 @@ qcStatus qcPcsReport_Fill(const qcStepTriangles* triangles, const qcPcs* pcs, co
                           bool ofImage, const qcDetectDef* def, qcPcsReport* report)
 {
     size_t words = ((size_t)triangles->count + 63) / 64;
-    report->sets.count = report->pairs.count = 0;
+    report->sets.count = report->pairs.count = report->marked = 0;
     QC_TRY(qcArray_GrowZeroed(&report->bits, words, sizeof(uint64_t), "the PCS"));
     QC_TRY(qcArray_GrowZeroed(&report->groups, (words + 63) / 64, sizeof(uint64_t), "the PCS"));
     MarkAll(triangles, pcs, candidates, ofImage, report);

@@ -12,6 +12,7 @@ typedef struct qcPcsReport
     /// Scratch: a bit a triangle, since most triangles of most scenes are not in the PCS, and a bit for each 64 of
     /// those bits. All are 0 between steps.
     qcArray bits, groups;
+    size_t marked; ///< bits set
     qcArray items, scratch;
 } qcPcsReport;
 
