@@ -196,35 +196,37 @@ static void FindContacts(const Job* job, qcNarrowphaseWorker* worker, const uint
     }
 }
 
-/// Fetches the corner indices of a pair's triangles into the caches, or, once these are there, the corners.
-static void FetchPair(const Job* job, uint64_t key, bool corners)
+/// Fetches the corner indices of a pair's triangles into the caches, or, once these are there, the corners. `last`: see
+/// FindTriangle.
+static inline void FetchPair(const Job* job, uint64_t key, bool corners, BodyTriangles last[2])
 {
     const uint32_t globals[] = {(uint32_t)(key >> 32), (uint32_t)key};
     for (int i = 0; i < 2; i++)
     {
-        Side side = SideOf(job->triangles, globals[i]);
-        const qcBody* body = qcStepTriangles_Body(job->triangles, side.body);
+        uint32_t triangle = FindTriangle(job->triangles, globals[i], &last[i]);
+        const qcBody* body = &QC_AT(qcBody, job->triangles->bodies->slots, last[i].slot);
         if (corners)
-            qcBody_FetchNewestTriangle(body, side.triangle);
+            qcBody_FetchNewestTriangle(body, triangle);
         else
-            __builtin_prefetch(body->indices + 3 * (size_t)side.triangle);
+            __builtin_prefetch(body->indices + 3 * (size_t)triangle);
     }
 }
 
-/// Tests the pairs of a block. Pairs of a device lie apart in memory.
+/// Tests the pairs of a block. Pairs of a device lie apart in memory: their triangles are fetched ahead.
 static void TestPairs(const Job* job, qcNarrowphaseWorker* worker, size_t first, size_t end)
 {
     const uint64_t* keys = job->keys->data;
-    const size_t ahead = 2, count = job->keys->count; // a test takes longer than a fetch
+    const size_t ahead = 2, count = job->keys->count; // a test takes as long as a fetch
     Corners corners[2];                               // too large to be cleared for each block
+    BodyTriangles last[2] = {{0, 0, 0}, {0, 0, 0}};
     corners[0].filled = corners[1].filled = false;
-    corners[0].own = corners[1].own = (BodyTriangles){0, 0, 0};
+    corners[0].own = corners[1].own = last[0];
     for (size_t i = first; i < end && qcWorkerResult_IsOk(&worker->result); i++)
     {
         if (i + 2 * ahead < count)
-            FetchPair(job, keys[i + 2 * ahead], false);
+            FetchPair(job, keys[i + 2 * ahead], false, last);
         if (i + ahead < count)
-            FetchPair(job, keys[i + ahead], true);
+            FetchPair(job, keys[i + ahead], true, last);
         TestPair(job, worker, keys[i], corners);
     }
 }

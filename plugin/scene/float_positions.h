@@ -42,11 +42,13 @@ static inline void qcBody_GetNewestTriangle(const qcBody* body, uint32_t triangl
 static inline void qcBody_FetchNewestTriangle(const qcBody* body, uint32_t triangle)
 {
     const uint32_t* index = body->indices + 3 * (size_t)triangle;
+    bool inFloats = qcBody_IsInFloats(body);
+    const double* doubles = body->world != NULL ? body->world : body->local;
     for (int c = 0; c < 3; c++)
-        if (qcBody_IsInFloats(body))
+        if (inFloats)
             __builtin_prefetch(body->floats->at + 3 * (size_t)index[c]);
         else
-            __builtin_prefetch((body->world != NULL ? body->world : body->local) + 3 * (size_t)index[c]);
+            __builtin_prefetch(doubles + 3 * (size_t)index[c]);
 }
 
 /// The body's next floats are kept. Nothing changes for rigid bodies and for positions in double.

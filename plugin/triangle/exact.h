@@ -22,6 +22,9 @@ void qcExact_Segment(const double a[3][3], const double b[3][3], qcSegment* segm
 /// Sign of det(b - a, c - a, d - a): positive when d lies on the side to which (b - a) x (c - a) points.
 int qcOrient3d(const double a[3], const double b[3], const double c[3], const double d[3], uint64_t* undecided);
 
+/// qcOrient3d of a triangle's corners and each of three points, in less time.
+void qcOrient3dSides(const double t[3][3], const double points[3][3], int side[3], uint64_t* undecided);
+
 /// The determinant of qcOrient3d, right to at least 20 bits.
 qcScaled qcOrient3dValue(const double a[3], const double b[3], const double c[3], const double d[3]);
 

@@ -257,14 +257,12 @@ qcRelation qcExact_Relate(const double a[3][3], const double b[3][3], uint64_t* 
     if (!BoxesMeet(a, b))
         return qc_relationDisjoint;
     int sideB[3], sideA[3];
-    for (int i = 0; i < 3; i++)
-        sideB[i] = qcOrient3d(a[0], a[1], a[2], b[i], undecided);
+    qcOrient3dSides(a, b, sideB, undecided);
     if (SameStrictSide(sideB))
         return qc_relationDisjoint;
     if (AllZero(sideB))
         return RelateFlat(a, b, undecided);
-    for (int i = 0; i < 3; i++)
-        sideA[i] = qcOrient3d(b[0], b[1], b[2], a[i], undecided);
+    qcOrient3dSides(b, a, sideA, undecided);
     if (SameStrictSide(sideA))
         return qc_relationDisjoint;
     if (AllZero(sideA))

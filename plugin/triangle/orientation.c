@@ -18,18 +18,39 @@ typedef struct Filtered
     double determinant, bound;
 } Filtered;
 
+/// What determinants of one plane have in common: two edges from its first point, and their minor.
+typedef struct Plane
+{
+    const double* a;
+    double bx, by, bz, cx, cy, cz;
+    double minor, permanent;
+} Plane;
+
+static inline Plane PlaneOf(const double a[3], const double b[3], const double c[3])
+{
+    Plane p = {a, b[0] - a[0], b[1] - a[1], b[2] - a[2], c[0] - a[0], c[1] - a[1], c[2] - a[2], 0.0, 0.0};
+    double bxcy = p.bx * p.cy, cxby = p.cx * p.by;
+    p.minor = bxcy - cxby;
+    p.permanent = fabs(bxcy) + fabs(cxby);
+    return p;
+}
+
+static inline Filtered DeterminantOf(const Plane* p, const double d[3])
+{
+    double dx = d[0] - p->a[0], dy = d[1] - p->a[1], dz = d[2] - p->a[2];
+    double cxdy = p->cx * dy, dxcy = dx * p->cy, dxby = dx * p->by, bxdy = p->bx * dy;
+    double permanent =
+        p->permanent * fabs(dz) + (fabs(cxdy) + fabs(dxcy)) * fabs(p->bz) + (fabs(dxby) + fabs(bxdy)) * fabs(p->cz);
+    Filtered f;
+    f.determinant = dz * p->minor + p->bz * (cxdy - dxcy) + p->cz * (dxby - bxdy);
+    f.bound = s_bound3 * permanent + s_underflow * (1.0 + fabs(p->bz) + fabs(p->cz) + fabs(dz));
+    return f;
+}
+
 static inline Filtered Determinant3(const double a[3], const double b[3], const double c[3], const double d[3])
 {
-    double bx = b[0] - a[0], by = b[1] - a[1], bz = b[2] - a[2];
-    double cx = c[0] - a[0], cy = c[1] - a[1], cz = c[2] - a[2];
-    double dx = d[0] - a[0], dy = d[1] - a[1], dz = d[2] - a[2];
-    double bxcy = bx * cy, cxby = cx * by, cxdy = cx * dy, dxcy = dx * cy, dxby = dx * by, bxdy = bx * dy;
-    double permanent = (fabs(bxcy) + fabs(cxby)) * fabs(dz) + (fabs(cxdy) + fabs(dxcy)) * fabs(bz) +
-                       (fabs(dxby) + fabs(bxdy)) * fabs(cz);
-    Filtered f;
-    f.determinant = dz * (bxcy - cxby) + bz * (cxdy - dxcy) + cz * (dxby - bxdy);
-    f.bound = s_bound3 * permanent + s_underflow * (1.0 + fabs(bz) + fabs(cz) + fabs(dz));
-    return f;
+    const Plane plane = PlaneOf(a, b, c);
+    return DeterminantOf(&plane, d);
 }
 
 static bool AreSame(const double a[3], const double b[3])
@@ -52,6 +73,18 @@ static bool ShareCoordinate(const double a[3], const double b[3], const double c
     return false;
 }
 
+/// The sign of a determinant that the filter leaves open.
+__attribute__((noinline)) static int Decide3(const double a[3], const double b[3], const double c[3], const double d[3],
+                                             uint64_t* undecided)
+{
+    if (HaveSame(a, b, c, d) || ShareCoordinate(a, b, c, d))
+        return 0;
+    if (undecided != NULL)
+        ++*undecided;
+    double exact = qcExactDeterminant3(a, b, c, d).mantissa;
+    return (exact > 0.0) - (exact < 0.0);
+}
+
 int qcOrient3d(const double a[3], const double b[3], const double c[3], const double d[3], uint64_t* undecided)
 {
     Filtered f = Determinant3(a, b, c, d);
@@ -59,12 +92,19 @@ int qcOrient3d(const double a[3], const double b[3], const double c[3], const do
         return 1;
     if (-f.determinant > f.bound)
         return -1;
-    if (HaveSame(a, b, c, d) || ShareCoordinate(a, b, c, d))
-        return 0;
-    if (undecided != NULL)
-        ++*undecided;
-    double exact = qcExactDeterminant3(a, b, c, d).mantissa;
-    return (exact > 0.0) - (exact < 0.0);
+    return Decide3(a, b, c, d, undecided);
+}
+
+void qcOrient3dSides(const double t[3][3], const double points[3][3], int side[3], uint64_t* undecided)
+{
+    const Plane plane = PlaneOf(t[0], t[1], t[2]);
+    for (int i = 0; i < 3; i++)
+    {
+        Filtered f = DeterminantOf(&plane, points[i]);
+        side[i] = (f.determinant > f.bound) - (-f.determinant > f.bound);
+        if (side[i] == 0)
+            side[i] = Decide3(t[0], t[1], t[2], points[i], undecided);
+    }
 }
 
 qcScaled qcOrient3dValue(const double a[3], const double b[3], const double c[3], const double d[3])
