@@ -53,6 +53,12 @@ static inline Filtered Determinant3(const double a[3], const double b[3], const 
     return DeterminantOf(&plane, d);
 }
 
+/// 0: the filter leaves it open. Without a branch, since either sign is as likely.
+static inline int SignOf(Filtered f)
+{
+    return (f.determinant > f.bound) - (-f.determinant > f.bound);
+}
+
 static bool AreSame(const double a[3], const double b[3])
 {
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
@@ -88,11 +94,8 @@ __attribute__((noinline)) static int Decide3(const double a[3], const double b[3
 int qcOrient3d(const double a[3], const double b[3], const double c[3], const double d[3], uint64_t* undecided)
 {
     Filtered f = Determinant3(a, b, c, d);
-    if (f.determinant > f.bound)
-        return 1;
-    if (-f.determinant > f.bound)
-        return -1;
-    return Decide3(a, b, c, d, undecided);
+    int sign = SignOf(f);
+    return sign != 0 ? sign : Decide3(a, b, c, d, undecided);
 }
 
 void qcOrient3dSides(const double t[3][3], const double points[3][3], int side[3], uint64_t* undecided)
@@ -101,7 +104,7 @@ void qcOrient3dSides(const double t[3][3], const double points[3][3], int side[3
     for (int i = 0; i < 3; i++)
     {
         Filtered f = DeterminantOf(&plane, points[i]);
-        side[i] = (f.determinant > f.bound) - (-f.determinant > f.bound);
+        side[i] = SignOf(f);
         if (side[i] == 0)
             side[i] = Decide3(t[0], t[1], t[2], points[i], undecided);
     }
