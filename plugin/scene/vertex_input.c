@@ -214,13 +214,18 @@ static size_t CopyEights(const char* from, size_t count, float* out, double lowe
             qcFourFloats_Store(y, out + 4 * (6 * i + 3 + k));
         }
     *finite = (unordered[0] | unordered[1] | unordered[2] | unordered[3]) == 0;
-    for (int k = 0; k < 12 && eights != 0; k++)
+    float least[3] = {FLT_MAX, FLT_MAX, FLT_MAX}, most[3] = {-FLT_MAX, -FLT_MAX, -FLT_MAX};
+    for (int k = 0; k < 12; k++)
     {
-        double least = (double)low[k / 4][k % 4], most = (double)high[k / 4][k % 4];
+        least[k % 3] = low[k / 4][k % 4] < least[k % 3] ? low[k / 4][k % 4] : least[k % 3];
+        most[k % 3] = high[k / 4][k % 4] > most[k % 3] ? high[k / 4][k % 4] : most[k % 3];
+    }
+    for (int axis = 0; axis < 3 && eights != 0; axis++)
+    {
         // Where all are numbers, an infinite one is among the bounds.
-        *finite = *finite && isfinite(least) && isfinite(most);
-        lower[k % 3] = least < lower[k % 3] ? least : lower[k % 3];
-        upper[k % 3] = most > upper[k % 3] ? most : upper[k % 3];
+        *finite = *finite && isfinite(least[axis]) && isfinite(most[axis]);
+        lower[axis] = (double)least[axis] < lower[axis] ? (double)least[axis] : lower[axis];
+        upper[axis] = (double)most[axis] > upper[axis] ? (double)most[axis] : upper[axis];
     }
     return 8 * eights;
 }
