@@ -119,22 +119,22 @@ static int ChooseDigitBits(size_t count, uint64_t differ)
     return bits > (passes - 1) * qc_maxDigitBits ? qc_digitBits : qc_maxDigitBits;
 }
 
-static inline qcStatus Sort(uint64_t* items, size_t count, size_t words, qcArray* scratch)
+/// `scratch` has room for the items.
+static inline void SortWith(uint64_t* items, uint64_t* scratch, size_t count, size_t words)
 {
     if (count <= qc_maxInsertedItems)
     {
         InsertItems(items, count, words);
-        return qc_statusOk;
+        return;
     }
-    QC_TRY(qcArray_Reserve(scratch, count, words * sizeof *items, "sorting"));
     uint64_t differ = 0;
     for (size_t i = 1; i < count; i++)
         differ |= items[words * i] ^ items[0];
     // With more items the average is larger.
     if (count <= (size_t)qc_maxTogether * qc_digits && differ != 0 &&
-        SortByLeadingDigit(items, scratch->data, count, words, differ))
-        return qc_statusOk;
-    uint64_t *from = items, *to = scratch->data;
+        SortByLeadingDigit(items, scratch, count, words, differ))
+        return;
+    uint64_t *from = items, *to = scratch;
     int bits = ChooseDigitBits(count, differ);
     while (differ != 0)
     {
@@ -148,6 +148,13 @@ static inline qcStatus Sort(uint64_t* items, size_t count, size_t words, qcArray
     }
     if (from != items)
         memcpy(items, from, count * words * sizeof *items);
+}
+
+static inline qcStatus Sort(uint64_t* items, size_t count, size_t words, qcArray* scratch)
+{
+    if (count > qc_maxInsertedItems)
+        QC_TRY(qcArray_Reserve(scratch, count, words * sizeof *items, "sorting"));
+    SortWith(items, scratch->data, count, words);
     return qc_statusOk;
 }
 
@@ -159,4 +166,9 @@ qcStatus qcSort_Items(qcSortItem* items, size_t count, qcArray* scratch)
 qcStatus qcSort_Keys(uint64_t* keys, size_t count, qcArray* scratch)
 {
     return Sort(keys, count, 1, scratch);
+}
+
+void qcSort_KeysWith(uint64_t* keys, uint64_t* scratch, size_t count)
+{
+    SortWith(keys, scratch, count, 1);
 }

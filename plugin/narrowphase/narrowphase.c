@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/parallel_for.h"
+#include "base/parallel_sort.h"
 #include "base/radix_sort.h"
 #include "base/status.h"
 #include "narrowphase/feature_contacts.h"
@@ -287,7 +288,7 @@ static qcStatus PrepareLocalMinima(qcNarrowphase* narrow, const qcStepTriangles*
 }
 
 /// All pairs, sorted, into narrow->related.
-static qcStatus CollectPairs(qcNarrowphase* narrow, const qcArray* classified)
+static qcStatus CollectPairs(qcNarrowphase* narrow, const qcArray* classified, uint32_t threads)
 {
     size_t total = classified->count;
     for (size_t i = 0; i < narrow->workers.count; i++)
@@ -304,7 +305,7 @@ static qcStatus CollectPairs(qcNarrowphase* narrow, const qcArray* classified)
                               "pairs"));
     QC_TRY(qcArray_Append(&narrow->related, classified, sizeof(uint64_t), "pairs"));
     QC_TRY(qcArray_Resize(&narrow->pairs, total, sizeof(qcPair), "pairs"));
-    return qcSort_Keys(narrow->related.data, total, &narrow->scratch);
+    return qcParallelSort_Keys(threads, narrow->related.data, total, &narrow->scratch);
 }
 
 static void FillPairs(void* context, size_t block, uint32_t worker)
@@ -435,7 +436,7 @@ qcStatus qcNarrowphase_Run(const qcStepTriangles* triangles, const qcCandidates*
                .def = def,
                .kernels = qcTriangleKernels_Get()};
     QC_TRY(RunWorkers(&job, threads, profile, &contactMs));
-    QC_TRY(CollectPairs(narrow, &candidates->classified));
+    QC_TRY(CollectPairs(narrow, &candidates->classified, threads));
     QC_TRY(FillResults(&job, threads));
     profile->candidates += candidates->classified.count;
     profile->filterHits = candidates->classified.count;

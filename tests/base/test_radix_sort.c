@@ -1,4 +1,6 @@
-// Keys of many shapes and numbers, against the C library's sort: keys, and items whose values tell their order apart.
+// Keys of many shapes and numbers, against the C library's sort: keys, on one thread and on several, and items whose
+// values tell their order apart.
+#include "base/parallel_sort.h"
 #include "base/radix_sort.h"
 #include "support/check_ok.h"
 #include "support/soups.h"
@@ -51,10 +53,10 @@ START_TEST(keys_and_items_are_sorted_and_equal_keys_keep_their_order)
         {
             size_t count = s_counts[c];
             qcSortItem *items = malloc((count + 1) * sizeof *items), *sorted = malloc((count + 1) * sizeof *sorted);
-            uint64_t* keys = malloc((count + 1) * sizeof *keys);
+            uint64_t *keys = malloc((count + 1) * sizeof *keys), *parallel = malloc((count + 1) * sizeof *parallel);
             for (size_t i = 0; i < count; i++)
             {
-                keys[i] = MakeKey(&random, (Shape)shape, i);
+                keys[i] = parallel[i] = MakeKey(&random, (Shape)shape, i);
                 items[i] = sorted[i] = (qcSortItem){keys[i], i};
             }
             qsort(sorted, count, sizeof *sorted, CompareItems);
@@ -62,12 +64,16 @@ START_TEST(keys_and_items_are_sorted_and_equal_keys_keep_their_order)
             qcArray_Free(&scratch);
             CHECK_OK(qcSort_Keys(keys, count, &scratch));
             qcArray_Free(&scratch);
+            CHECK_OK(qcParallelSort_Keys(1 + (uint32_t)shape, parallel, count, &scratch));
+            qcArray_Free(&scratch);
             for (size_t i = 0; i < count; i++)
-                if (CompareItems(&items[i], &sorted[i]) != 0 || keys[i] != sorted[i].key)
+                if (CompareItems(&items[i], &sorted[i]) != 0 || keys[i] != sorted[i].key ||
+                    parallel[i] != sorted[i].key)
                     ck_abort_msg("shape %d, %zu keys: number %zu is wrong", shape, count, i);
             free(items);
             free(sorted);
             free(keys);
+            free(parallel);
         }
 }
 END_TEST
