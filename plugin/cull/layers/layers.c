@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/status.h"
+#include "cull/layers/device_pairs.h"
 #include "gl/device.h"
 
 #include <float.h>
@@ -117,29 +118,10 @@ static qcStatus OpenDevice(qcCullLayers* cull, qcDevice* device)
     return qc_statusOk;
 }
 
-/// The device's pairs as candidate keys. Pairs that surely intersect need no exact test.
 static qcStatus TakePairs(const Step* step, const qcLayersAnswer* answer, const qcPairKeys* keys)
 {
-    qcArray* arrays[] = {keys->keys, keys->classified, keys->contactKeys};
-    for (int i = 0; i < 3; i++)
-        QC_TRY(qcArray_Reserve(arrays[i], arrays[i]->count + answer->pairCount + 1, sizeof(uint64_t), "candidates"));
-    uint64_t* ends[3];
-    for (int i = 0; i < 3; i++)
-        ends[i] = (uint64_t*)arrays[i]->data + arrays[i]->count;
-    for (const uint32_t* pair = answer->pairs; pair < answer->pairs + 2 * answer->pairCount; pair += 2)
-    {
-        // Written to both lists, and kept in one: which of them is hard to predict.
-        uint64_t key = qcStepTriangles_Key(pair[0] & ~QC_SURE_PAIR, pair[1]);
-        size_t isSure = (pair[0] & QC_SURE_PAIR) != 0;
-        *ends[0] = *ends[2] = key;
-        *ends[1] = qcRelatedPair_Make(key, qc_relationPenetrating);
-        ends[0] += 1 - isSure;
-        ends[1] += isSure;
-        ends[2] += isSure;
-    }
-    for (int i = 0; i < (step->job->listClassified ? 3 : 2); i++)
-        arrays[i]->count = (size_t)(ends[i] - (uint64_t*)arrays[i]->data);
-    return qc_statusOk;
+    const qcDevicePairs pairs = {answer->pairs, answer->pairCount, step->job->listClassified, step->job->threads};
+    return qcDevicePairs_Take(&pairs, &step->cull->sureBefore, keys);
 }
 
 static void FillProfile(const Step* step, const qcLayersStep* device, const qcLayersAnswer* answer, qcProfile* profile)
@@ -359,4 +341,5 @@ void qcCullLayers_Free(qcCullLayers* cull)
     qcArray_Free(&cull->partnerBoxes);
     qcArray_Free(&cull->partners);
     qcArray_Free(&cull->bodyOf);
+    qcArray_Free(&cull->sureBefore);
 }

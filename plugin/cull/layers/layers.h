@@ -30,6 +30,7 @@ typedef struct qcCullLayers
     qcArray partnerBoxes;            ///< uint32_t, four by body: the AABB of its partners in levels
     qcArray partners;                ///< of qcGridBounds, by body: the AABB of its partners
     qcArray bodyOf;                  ///< uint32_t, by slot: body of the step
+    qcArray sureBefore;              ///< of qcDevicePairs_Take
     qcLayerTime times[qc_layersPartCount];
 } qcCullLayers;
 
