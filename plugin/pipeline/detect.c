@@ -200,7 +200,8 @@ static qcStatus RunStages(const qcStep* step, qcBodies* bodies, double start, qc
     ReportDevice(step, &profile);
 
     const qcCandidates* candidates = &d->triangleStage.candidates;
-    QC_TRY(qcPcsReport_Fill(triangles, &d->pcs, candidates, step->plan.useImage, step->def, &d->pcsReport));
+    QC_TRY(
+        qcPcsReport_Fill(triangles, &d->pcs, candidates, step->plan.useImage, step->def, step->threads, &d->pcsReport));
     QC_TRY(qcVertexBuffers_Gather(step, triangles, candidates, &d->vertexBuffers, &profile));
     if (qcVertexBuffers_SufficeFor(step))
         QC_TRY(qcVertexBuffers_KeepFloats(step, triangles, routing, profile.followedTriangles != 0, bodies));

@@ -19,7 +19,7 @@ typedef struct qcPcsReport
 /// With an image: the triangles left by culling, and their sets if `def` requests them. Otherwise: the triangles of
 /// candidate pairs. In both cases the candidate pairs if `def` requests them.
 qcStatus qcPcsReport_Fill(const qcStepTriangles* triangles, const qcPcs* pcs, const qcCandidates* candidates,
-                          bool ofImage, const qcDetectDef* def, qcPcsReport* report);
+                          bool ofImage, const qcDetectDef* def, uint32_t threads, qcPcsReport* report);
 void qcPcsReport_Free(qcPcsReport* report);
 
 #endif
