@@ -26,7 +26,7 @@ static void MarkKey(qcPcsReport* report, uint64_t key)
     Mark(report, (uint32_t)key);
 }
 
-/// As Mark, by several threads at a time; report->marked is not changed.
+/// Marks a triangle while other threads mark others; report->marked is not changed.
 static void MarkShared(const qcPcsReport* report, uint32_t triangle)
 {
     uint64_t *word = &QC_AT(uint64_t, report->bits, triangle / 64), bit = UINT64_C(1) << triangle % 64;
