@@ -15,7 +15,10 @@
 
 enum
 {
-    qc_maxThreads = 255
+    qc_maxThreads = 255,
+    // Threads that one thread wakes, which wake others in turn: waking takes 2 to 3 microseconds each (16 cores: 0.04
+    // ms for all), and one that is woken begins 20 or more later.
+    qc_wokenByOne = 4
 };
 
 // Milliseconds that a thread spins for the next loop, and the caller for the end of one.
@@ -42,7 +45,8 @@ typedef struct Pool
     /// The number of the loop, from bit 32; its count of indices, from bit 16, 0 once it is closed to threads; the
     /// number of threads in it.
     _Alignas(64) _Atomic uint64_t word;
-    atomic_bool rests; ///< threads don't spin until the next loop
+    atomic_uint wakeCount; ///< indices whose threads are to be awake
+    atomic_bool rests;     ///< threads don't spin until the next loop
     _Alignas(64) atomic_bool busy;
     atomic_bool callerSleeps;
 } Pool;
@@ -93,6 +97,28 @@ static bool Spin(const Pool* pool, uint32_t index, uint32_t last)
     return qcSpin_Until(IsSpinOver, &wait, s_maxSpin) && HasBegun(pool, index, last);
 }
 
+/// False: it did not sleep.
+static bool Wake(Pool* pool, Thread* thread)
+{
+    if (!atomic_load(&thread->sleeps))
+        return false;
+    pthread_mutex_lock(&pool->mutex);
+    bool slept = atomic_exchange(&thread->sleeps, false);
+    if (slept)
+        pthread_cond_signal(&thread->woken);
+    pthread_mutex_unlock(&pool->mutex);
+    return slept;
+}
+
+/// Wakes some of the threads that sleep and should not.
+static void WakeSome(Pool* pool)
+{
+    uint32_t threads = atomic_load(&pool->threadCount), count = atomic_load(&pool->wakeCount);
+    int woken = 0;
+    for (uint32_t i = 0; i + 1 < count && i < threads && woken < qc_wokenByOne; i++)
+        woken += Wake(pool, &pool->threads[i]);
+}
+
 /// Sleeps until a loop has begun, threads are woken, or the process ends. False: it ends.
 static bool Sleep(Pool* pool, Thread* thread, uint32_t last)
 {
@@ -105,6 +131,8 @@ static bool Sleep(Pool* pool, Thread* thread, uint32_t last)
     atomic_store(&thread->sleeps, false);
     bool ending = pool->ending;
     pthread_mutex_unlock(&pool->mutex);
+    if (!ending)
+        WakeSome(pool);
     return !ending;
 }
 
@@ -189,22 +217,11 @@ static bool IsEmpty(const void* context)
     return InsideOf(atomic_load(&pool->word)) == 0;
 }
 
-static void Wake(Pool* pool, Thread* thread)
-{
-    if (!atomic_load(&thread->sleeps))
-        return;
-    pthread_mutex_lock(&pool->mutex);
-    atomic_store(&thread->sleeps, false);
-    pthread_cond_signal(&thread->woken);
-    pthread_mutex_unlock(&pool->mutex);
-}
-
 /// Wakes the threads of a loop of `count` indices.
 static void WakeThreads(Pool* pool, uint32_t count)
 {
-    uint32_t threads = atomic_load(&pool->threadCount);
-    for (uint32_t i = 0; i + 1 < count && i < threads; i++)
-        Wake(pool, &pool->threads[i]);
+    atomic_store(&pool->wakeCount, count);
+    WakeSome(pool);
 }
 
 static void Begin(Pool* pool, uint32_t count, qcTask* task, void* taskContext)
