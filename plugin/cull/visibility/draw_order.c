@@ -26,27 +26,29 @@ static uint32_t SkipGroup(const qcCullPrimitive* primitives, uint32_t primitiveC
 /// of 1085; the farthest corner leaves 1158, the nearest 1127 (4096 x 4096, one view, one round).
 static float FindDepth(const qcCullPrimitive* primitives, uint32_t first, uint32_t end, const float* corners, int axis)
 {
-    double sum = 0.0, count = 0.0;
+    double sum = 0.0;
+    size_t count = 0;
     for (uint32_t i = first; i < end; i++)
     {
-        const float* corner = corners + 9 * (size_t)primitives[i].firstTriangle;
-        for (size_t c = 0; c < 3 * (size_t)primitives[i].triangleCount; c++)
-            sum += corner[3 * c + (size_t)axis];
-        count += 3.0 * primitives[i].triangleCount;
+        const float* depth = corners + 9 * (size_t)primitives[i].firstTriangle + axis;
+        size_t cornerCount = (size_t)3 * primitives[i].triangleCount;
+        for (size_t c = 0; c < cornerCount; c++)
+            sum += depth[3 * c];
+        count += cornerCount;
     }
-    return count > 0.0 ? (float)(sum / count) : 0.0f;
+    return count > 0 ? (float)(sum / (double)count) : 0.0f;
 }
 
 qcStatus qcCullOrder_BackToFront(qcCullOrder* order, const qcCullPrimitive* primitives, uint32_t primitiveCount,
                                  const float* corners, int axis)
 {
+    QC_TRY(qcArray_Reserve(&order->groups, primitiveCount, sizeof(qcSortItem), "the order of groups"));
     order->groups.count = 0;
     for (uint32_t first = 0, end; first < primitiveCount; first = end)
     {
         end = SkipGroup(primitives, primitiveCount, first);
         // Depths grow away from the eye; negated, the farthest comes first. Groups at equal depth stay in order.
         uint32_t key = qcSort_FloatKey(-FindDepth(primitives, first, end, corners, axis));
-        QC_TRY(qcArray_Reserve(&order->groups, order->groups.count + 1, sizeof(qcSortItem), "the order of groups"));
         QC_AT(qcSortItem, order->groups, order->groups.count++) = (qcSortItem){key, first};
     }
     QC_TRY(qcSort_Items(order->groups.data, order->groups.count, &order->scratch));

@@ -5,6 +5,7 @@
 #include "base/status.h"
 
 #include <assert.h>
+#include <string.h>
 
 /// Whether a level draws a triangle with these packed sets of the PCS. Before a level all triangles of a body have the
 /// same.
@@ -37,34 +38,61 @@ static double HalfExtent(const Frame* frame, int axis)
     return half > s_minExtent ? half : 0.0;
 }
 
-static float ToImage(const Frame* frame, int axis, double x)
+/// From world to image space, and three floats.
+typedef struct Scale
 {
-    double half = HalfExtent(frame, axis);
-    double inImage = half > 0.0 ? (0.5 * x - 0.5 * frame->lower[axis]) / half * 2.0 - 1.0 : 0.0;
-    return (float)(inImage < -1.0 ? -1.0 : inImage > 1.0 ? 1.0 : inImage);
+    double begin[3], half[3]; ///< halves, so that no difference overflows
+} Scale;
+
+static Scale MakeScale(const Frame* frame)
+{
+    Scale scale;
+    for (int axis = 0; axis < 3; axis++)
+    {
+        scale.begin[axis] = 0.5 * frame->lower[axis];
+        scale.half[axis] = HalfExtent(frame, axis);
+    }
+    return scale;
 }
 
-static qcStatus AddCorners(qcImageCull* cull, const Frame* frame, const qcBody* body, uint32_t triangle)
+static void WriteVertex(const Scale* scale, const qcBody* body, uint32_t vertex, float* image)
 {
-    size_t at = cull->corners.count;
-    QC_TRY(qcArray_Reserve(&cull->corners, at + 9, sizeof(float), "image-space triangles"));
-    double corners[3][3];
-    qcBody_GetTriangle(body, triangle, corners);
-    for (int i = 0; i < 9; i++)
-        QC_AT(float, cull->corners, at + (size_t)i) = ToImage(frame, i % 3, corners[i / 3][i % 3]);
-    cull->corners.count = at + 9;
+    double position[3];
+    qcBody_GetVertex(body, vertex, position);
+    for (int axis = 0; axis < 3; axis++)
+    {
+        double half = scale->half[axis];
+        double x = half > 0.0 ? (0.5 * position[axis] - scale->begin[axis]) / half * 2.0 - 1.0 : 0.0;
+        image[axis] = (float)(x < -1.0 ? -1.0 : x > 1.0 ? 1.0 : x);
+    }
+}
+
+/// Writes the nine floats of each triangle of a body. `vertices`: scratch.
+static qcStatus WriteCorners(const Scale* scale, const qcBody* body, qcArray* vertices, float* corners)
+{
+    size_t cornerCount = (size_t)3 * body->triangleCount;
+    // A body may use few of its vertices.
+    if (body->vertexCount > cornerCount)
+    {
+        for (size_t i = 0; i < cornerCount; i++)
+            WriteVertex(scale, body, body->indices[i], corners + 3 * i);
+        return qc_statusOk;
+    }
+    QC_TRY(qcArray_Resize(vertices, (size_t)3 * body->vertexCount, sizeof(float), "image-space vertices"));
+    float* image = vertices->data;
+    for (uint32_t v = 0; v < body->vertexCount; v++)
+        WriteVertex(scale, body, v, image + (size_t)3 * v);
+    for (size_t i = 0; i < cornerCount; i++)
+        memcpy(corners + 3 * i, image + (size_t)3 * body->indices[i], 3 * sizeof *corners);
     return qc_statusOk;
 }
 
-static qcStatus AddPrimitive(qcImageCull* cull, uint32_t firstTriangle, uint32_t triangleCount, uint32_t group)
+/// Adds a primitive in the set NFV; there is room.
+static void AddPrimitive(qcImageCull* cull, uint32_t firstTriangle, uint32_t triangleCount, uint32_t group)
 {
-    size_t at = cull->primitives.count;
-    QC_TRY(qcArray_Reserve(&cull->primitives, at + 1, sizeof(qcCullPrimitive), "image-space primitives"));
-    QC_TRY(qcArray_Reserve(&cull->sets, at + 1, sizeof(qcVisibilitySet), "image-space primitives"));
-    QC_AT(qcCullPrimitive, cull->primitives, at) = (qcCullPrimitive){firstTriangle, triangleCount, group};
-    QC_AT(qcVisibilitySet, cull->sets, at) = qc_setNfv;
-    cull->primitives.count = cull->sets.count = at + 1;
-    return qc_statusOk;
+    QC_AT(qcCullPrimitive, cull->primitives, cull->primitives.count++) =
+        (qcCullPrimitive){firstTriangle, triangleCount, group};
+    QC_AT(qcVisibilitySet, cull->sets, cull->sets.count++) = qc_setNfv;
 }
 
 /// The box around the level's bodies.
@@ -83,23 +111,38 @@ static Frame FindFrame(const qcImageCull* cull, const qcStepTriangles* triangles
     return frame;
 }
 
-/// Fills corners and primitives with the triangles of the level's bodies, which take part as a whole.
-static qcStatus Gather(const qcStepTriangles* triangles, const Frame* frame, qcCullLevel level, qcImageCull* cull)
+/// Fills primitives and sets with the level's bodies, whose triangles take part as a whole.
+static qcStatus ListPrimitives(const qcStepTriangles* triangles, qcCullLevel level, qcImageCull* cull)
 {
-    cull->corners.count = cull->primitives.count = cull->sets.count = 0;
+    cull->primitives.count = cull->sets.count = 0;
+    uint32_t first = 0;
     for (size_t i = 0; i < cull->bodies.count; i++)
     {
         const qcBody* body = qcStepTriangles_Body(triangles, QC_AT(uint32_t, cull->bodies, i));
-        uint32_t begin = (uint32_t)(cull->corners.count / 9);
-        for (uint32_t t = 0; t < body->triangleCount; t++)
-        {
-            uint32_t drawn = (uint32_t)(cull->corners.count / 9);
-            QC_TRY(AddCorners(cull, frame, body, t));
-            if (level != qc_levelObjects)
-                QC_TRY(AddPrimitive(cull, drawn, 1, level == qc_levelSelf ? drawn : (uint32_t)i));
-        }
+        uint32_t end = first + body->triangleCount;
+        size_t room = cull->primitives.count + (level == qc_levelObjects ? 1 : body->triangleCount);
+        QC_TRY(qcArray_Reserve(&cull->primitives, room, sizeof(qcCullPrimitive), "image-space primitives"));
+        QC_TRY(qcArray_Reserve(&cull->sets, room, sizeof(qcVisibilitySet), "image-space primitives"));
         if (level == qc_levelObjects)
-            QC_TRY(AddPrimitive(cull, begin, (uint32_t)(cull->corners.count / 9) - begin, (uint32_t)i));
+            AddPrimitive(cull, first, body->triangleCount, (uint32_t)i);
+        for (uint32_t t = first; level != qc_levelObjects && t < end; t++)
+            AddPrimitive(cull, t, 1, level == qc_levelSelf ? t : (uint32_t)i);
+        first = end;
+    }
+    return qc_statusOk;
+}
+
+/// Fills the corners with the triangles of the level's bodies.
+static qcStatus ListCorners(const qcStepTriangles* triangles, const Frame* frame, qcImageCull* cull)
+{
+    const Scale scale = MakeScale(frame);
+    cull->corners.count = 0;
+    for (size_t i = 0; i < cull->bodies.count; i++)
+    {
+        const qcBody* body = qcStepTriangles_Body(triangles, QC_AT(uint32_t, cull->bodies, i));
+        size_t at = cull->corners.count, count = (size_t)9 * body->triangleCount;
+        QC_TRY(qcArray_Resize(&cull->corners, at + count, sizeof(float), "image-space triangles"));
+        QC_TRY(WriteCorners(&scale, body, &cull->vertices, (float*)cull->corners.data + at));
     }
     return qc_statusOk;
 }
@@ -116,10 +159,11 @@ static qcStatus RunLevel(const qcImageCullJob* job, const qcStepTriangles* trian
                          qcImageCull* cull)
 {
     const qcDetectDef* def = job->def;
-    Frame frame = FindFrame(cull, triangles);
-    QC_TRY(Gather(triangles, &frame, level, cull));
+    QC_TRY(ListPrimitives(triangles, level, cull));
     if (cull->primitives.count < 2)
         return qc_statusOk; // a single primitive stays in NFV: no other one can hide it
+    Frame frame = FindFrame(cull, triangles);
+    QC_TRY(ListCorners(triangles, &frame, cull));
     qcCullJob twoPass = {.device = job->device,
                          .quick = job->plan->method == qc_methodQuick,
                          .level = level,
@@ -213,6 +257,7 @@ qcStatus qcImageCull_Triangles(const qcImageCullJob* job, const qcStepTriangles*
 void qcImageCull_Free(qcImageCull* cull)
 {
     qcArray_Free(&cull->corners);
+    qcArray_Free(&cull->vertices);
     qcArray_Free(&cull->primitives);
     qcArray_Free(&cull->sets);
     qcArray_Free(&cull->bodies);

@@ -11,7 +11,7 @@ typedef struct qcImageCull
 {
     qcArray records; ///< of qcPassRecord: of all levels of the step, an output
     //  Scratch, retained between steps.
-    qcArray corners, primitives, sets;
+    qcArray corners, vertices, primitives, sets;
     qcArray bodies; ///< uint32_t: bodies of the level
     qcCullScratch scratch;
 } qcImageCull;
