@@ -234,7 +234,7 @@ static bool IsVisible(qcDevice* device, const qcVisibilityDef* def, int axis, bo
     here.device = device;
     qcVisibility* visibility = NULL;
     uint8_t visible[2];
-    ck_assert_msg(qcVisibility_Create(&here, &visibility) == qc_statusOk, "%s", qcLastMessage());
+    ck_assert_msg(qcVisibility_Prepare(&here, &visibility) == qc_statusOk, "%s", qcLastMessage());
     ck_assert_msg(qcVisibility_RunPass(visibility, &pass, steps, 2, visible) == qc_statusOk, "%s", qcLastMessage());
     qcVisibility_Destroy(visibility);
     return visible[1] != 0;

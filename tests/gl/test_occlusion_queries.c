@@ -62,7 +62,7 @@ static qcVisibility* Open(qcDevice* device, const float* corners, uint32_t trian
                            .resolution = resolution,
                            .tileSize = tileSize};
     qcVisibility* visibility = NULL;
-    qcStatus status = qcVisibility_Create(&def, &visibility);
+    qcStatus status = qcVisibility_Prepare(&def, &visibility);
     ck_assert_msg(status == qc_statusOk, "%s", qcLastMessage());
     return visibility;
 }
@@ -508,16 +508,16 @@ START_TEST(bad_resolutions_and_devices_are_refused)
         qcDeviceInfo info;
         ck_assert_int_eq(qcDevice_GetInfo(device, &info), qc_statusOk);
         qcVisibilityDef def = {.device = device, .corners = corners, .triangleCount = 1};
-        ck_assert_int_eq(qcVisibility_Create(&def, &visibility), qc_statusBadInput);
+        ck_assert_int_eq(qcVisibility_Prepare(&def, &visibility), qc_statusBadInput);
         def.resolution = info.maxResolution + 1;
-        ck_assert_int_eq(qcVisibility_Create(&def, &visibility), qc_statusBadInput);
+        ck_assert_int_eq(qcVisibility_Prepare(&def, &visibility), qc_statusBadInput);
         def.resolution = 64;
         def.triangleCount = 0x80000000u;
-        ck_assert_int_eq(qcVisibility_Create(&def, &visibility), qc_statusBadInput);
+        ck_assert_int_eq(qcVisibility_Prepare(&def, &visibility), qc_statusBadInput);
         // Dilated, each triangle becomes five.
         def.triangleCount = 0x7fffffff / 15 + 1;
         def.dilated = true;
-        ck_assert_int_eq(qcVisibility_Create(&def, &visibility), qc_statusBadInput);
+        ck_assert_int_eq(qcVisibility_Prepare(&def, &visibility), qc_statusBadInput);
         // The limit itself is fine; tiled, so that no GPU runs out of memory here.
         qcVisibility_Destroy(Open(device, corners, 1, info.maxResolution, 512));
     }
@@ -526,7 +526,7 @@ START_TEST(bad_resolutions_and_devices_are_refused)
     qcDevice* none = NULL;
     ck_assert_int_eq(qcDevice_Create(&deviceDef, &none), qc_statusOk);
     qcVisibilityDef def = {.device = none, .corners = corners, .triangleCount = 1, .resolution = 64};
-    ck_assert_int_eq(qcVisibility_Create(&def, &visibility), qc_statusDevice);
+    ck_assert_int_eq(qcVisibility_Prepare(&def, &visibility), qc_statusDevice);
     ck_assert_ptr_null(visibility);
     qcVisibility_Destroy(NULL);
     qcDevice_Destroy(none);
@@ -574,7 +574,7 @@ static void FailEachAllocation(qcDevice* device, Heap* heap, bool dilated)
         qcVisibility* visibility = NULL;
         uint8_t visible[2];
         heap->left = allowed;
-        status = qcVisibility_Create(&def, &visibility);
+        status = qcVisibility_Prepare(&def, &visibility);
         if (status == qc_statusOk)
         {
             status = qcVisibility_RunPass(visibility, &pass, steps, 2, visible);

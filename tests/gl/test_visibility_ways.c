@@ -1,7 +1,10 @@
-// Queries, flags and sure results give the same visibility, step for step: random passes over soups, cloths and
-// degenerate triangles; and the same PCS, primitive for primitive, in whole scenes.
+// Queries, flags and sure results, found by the processor or by the device, give the same visibility, step for step:
+// random passes over soups, cloths and degenerate triangles; and the same PCS, primitive for primitive, in whole
+// scenes.
 #define _POSIX_C_SOURCE 200809L
+#include "gl/device.h"
 #include "gl/visibility/occlusion_queries.h"
+#include "gl/visibility/sure_kernels.h"
 #include "gl/visibility/sure_results.h"
 #include "gl/visibility/tile_schedule.h"
 #include "support/devices.h"
@@ -15,10 +18,10 @@
 
 enum
 {
-    qc_wayCount = 3
+    qc_wayCount = 4
 };
 
-static const char* const s_ways[qc_wayCount] = {"queries", "flags", "sure"};
+static const char* const s_ways[qc_wayCount] = {"queries", "flags", "sure", "computed"};
 
 //  ---- passes --------------------------------------------------------------------------------------
 
@@ -70,7 +73,7 @@ static void RunWay(int way, const qcVisibilityDef* def, const qcVisibilityPass* 
 {
     setenv("QC_VISIBILITY", s_ways[way], 1);
     qcVisibility* visibility = NULL;
-    ck_assert_msg(qcVisibility_Create(def, &visibility) == qc_statusOk, "%s", qcLastMessage());
+    ck_assert_msg(qcVisibility_Prepare(def, &visibility) == qc_statusOk, "%s", qcLastMessage());
     qcStatus status = qcVisibility_RunPass(visibility, pass, steps, stepCount, visible);
     ck_assert_msg(status == qc_statusOk, "%s", qcLastMessage());
     qcVisibility_Destroy(visibility);
@@ -193,6 +196,88 @@ START_TEST(a_batch_of_thousands_of_tests_flags_the_right_ones)
 }
 END_TEST
 
+START_TEST(triangles_of_any_size_have_the_same_results_each_way)
+{
+    // Cells are as small as most triangles. The large ones are in so many that the device has no room for them.
+    enum
+    {
+        large = 100,
+        count = 2000
+    };
+    qcRandom random = {1};
+    float* corners = malloc(count * 9 * sizeof *corners);
+    qcVisibilityStep steps[count];
+    for (uint32_t i = 0; i < count; i++)
+    {
+        double size = i % (count / large) == 0 ? 1.9 : 0.02;
+        double lower[3];
+        for (int axis = 0; axis < 3; axis++)
+            lower[axis] = qcRandom_Uniform(&random, -1.0, 1.0 - size);
+        for (int k = 0; k < 9; k++)
+            corners[9 * i + (uint32_t)k] = (float)(lower[k % 3] + qcRandom_Uniform(&random, 0.0, size));
+        steps[i] = (qcVisibilityStep){i, 1, true, i % 3 != 0};
+    }
+    QC_FOR_EACH_DEVICE(device)
+    {
+        qcVisibilityDef def = {.device = device, .corners = corners, .triangleCount = count, .resolution = 300};
+        const qcVisibilityPass pass = {0, qc_compareGreaterEqual, false};
+        uint8_t visible[qc_wayCount][count];
+        for (int way = 0; way < qc_wayCount; way++)
+        {
+            RunWay(way, &def, &pass, steps, count, visible[way]);
+            ck_assert_msg(memcmp(visible[way], visible[0], count) == 0, "%s", s_ways[way]);
+        }
+    }
+    free(corners);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
+START_TEST(what_is_prepared_serves_other_triangles)
+{
+    static const uint32_t sizes[3] = {16, 5, 24}, resolutions[3] = {200, 200, 90};
+    QC_FOR_EACH_DEVICE(device)
+    {
+        for (int way = 0; way < qc_wayCount; way++)
+        {
+            qcVisibility* kept = NULL;
+            for (int i = 0; i < 6; i++)
+            {
+                qcSoup cloth = qcSoup_MakeFoldedCloth((uint64_t)i, sizes[i % 3], 0.02, 0.02);
+                float* corners = MakeCorners(&cloth);
+                qcVisibilityStep* steps = malloc(cloth.triangleCount * sizeof *steps);
+                uint8_t *expected = malloc(cloth.triangleCount), *visible = malloc(cloth.triangleCount);
+                for (uint32_t t = 0; t < cloth.triangleCount; t++)
+                    steps[t] = (qcVisibilityStep){t, 1, true, true};
+                qcVisibilityDef def = {.device = device,
+                                       .corners = corners,
+                                       .triangleCount = cloth.triangleCount,
+                                       .resolution = resolutions[i % 3],
+                                       .dilated = i == 4,
+                                       .dilation = {0.001, 0.001, 0.001}};
+                const qcVisibilityPass pass = {i % 2, qc_compareGreater, i == 1};
+                RunWay(0, &def, &pass, steps, cloth.triangleCount, expected);
+                setenv("QC_VISIBILITY", s_ways[way], 1);
+                CHECK_OK(qcVisibility_Prepare(&def, &kept));
+                unsetenv("QC_VISIBILITY");
+                CHECK_OK(qcVisibility_RunPass(kept, &pass, steps, cloth.triangleCount, visible));
+                ck_assert_msg(memcmp(visible, expected, cloth.triangleCount) == 0, "%s, cloth %d", s_ways[way], i);
+                // A context that is opened anew has none of the old one's objects.
+                if (i == 2)
+                    CHECK_OK(qcDevice_Reopen(device));
+                free(visible);
+                free(expected);
+                free(steps);
+                free(corners);
+                qcSoup_Free(&cloth);
+            }
+            qcVisibility_Destroy(kept);
+        }
+    }
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
 START_TEST(equal_depths_of_dilated_triangles_hide_as_the_comparison_says)
 {
     // Dilated by 1/4 and 2^-20, the first one's nearest depth is the second one's farthest.
@@ -242,6 +327,69 @@ START_TEST(most_results_of_a_cloth_are_sure)
     ck_assert_uint_lt(open, cloth.triangleCount / 5);
     ck_assert_uint_lt(rendered, cloth.triangleCount / 3);
     qcSureResults_Free(&results);
+    free(steps);
+    free(visible);
+    free(corners);
+    qcSoup_Free(&cloth);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
+typedef struct Finding
+{
+    const qcSureView* view;
+    const qcVisibilityStep* steps;
+    uint32_t count;
+    uint32_t* found;
+} Finding;
+
+/// A job of the device: its sure results, one triangle a step.
+static qcStatus FindOnDevice(const struct qcGlFunctions* gl, void* context)
+{
+    Finding* f = context;
+    qcSureKernels kernels = {0};
+    const uint32_t* found = NULL;
+    GLuint corners = 0;
+    gl->GenBuffers(1, &corners);
+    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, corners);
+    gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(f->count * 9 * sizeof(float)), f->view->corners,
+                   GL_STATIC_DRAW);
+    qcStatus status = qcSureKernels_Create(gl, &kernels);
+    if (status == qc_statusOk)
+        status = qcSureKernels_Find(gl, &kernels, f->view, corners, f->steps, f->count, &found);
+    if (found != NULL)
+        memcpy(f->found, found, f->count * sizeof *found);
+    qcSureKernels_Delete(gl, &kernels);
+    qcSureKernels_Free(&kernels);
+    gl->DeleteBuffers(1, &corners);
+    return status;
+}
+
+START_TEST(the_device_finds_what_the_processor_finds)
+{
+    qcSoup cloth = qcSoup_MakeFoldedCloth(3, 40, 0.02, 0.005);
+    float* corners = MakeCorners(&cloth);
+    uint32_t count = cloth.triangleCount, different = 0;
+    qcVisibilityStep* steps = malloc(count * sizeof *steps);
+    uint8_t* visible = malloc(count);
+    uint32_t* found = malloc(count * sizeof *found);
+    for (uint32_t i = 0; i < count; i++)
+        steps[i] = (qcVisibilityStep){i, 1, i % 5 != 0, i % 7 != 0 || i % 5 == 0};
+    const qcSureView view = {corners, 4096, 2, true};
+    qcSureResults results = {0};
+    CHECK_OK(qcSureResults_Find(&results, &view, steps, count, visible));
+    Finding finding = {&view, steps, count, found};
+    QC_FOR_EACH_DEVICE(device)
+    {
+        memset(found, 0xff, count * sizeof *found);
+        CHECK_OK(qcDevice_Run(device, FindOnDevice, &finding, "a test"));
+        for (uint32_t i = 0; i < count; i++)
+            different += found[i] != ((const uint32_t*)results.found.data)[i];
+    }
+    // Rounding may decide whether one is sure.
+    ck_assert_uint_le(different, count / 1000);
+    qcSureResults_Free(&results);
+    free(found);
     free(steps);
     free(visible);
     free(corners);
@@ -391,5 +539,7 @@ END_TEST
 
 QC_RUN_TESTS("visibility, each way", random_passes_have_the_same_results_each_way,
              slivers_have_the_same_results_each_way, a_batch_of_thousands_of_tests_flags_the_right_ones,
+             triangles_of_any_size_have_the_same_results_each_way, what_is_prepared_serves_other_triangles,
              equal_depths_of_dilated_triangles_hide_as_the_comparison_says, most_results_of_a_cloth_are_sure,
-             counted_tests_of_a_cloth_need_one_batch, scenes_have_the_same_pcs_each_way)
+             the_device_finds_what_the_processor_finds, counted_tests_of_a_cloth_need_one_batch,
+             scenes_have_the_same_pcs_each_way)

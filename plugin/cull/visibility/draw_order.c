@@ -43,23 +43,23 @@ qcStatus qcCullOrder_BackToFront(qcCullOrder* order, const qcCullPrimitive* prim
                                  const float* corners, int axis)
 {
     QC_TRY(qcArray_Reserve(&order->groups, primitiveCount, sizeof(qcSortItem), "the order of groups"));
-    order->groups.count = 0;
+    qcSortItem* groups = order->groups.data;
+    size_t count = 0;
     for (uint32_t first = 0, end; first < primitiveCount; first = end)
     {
         end = SkipGroup(primitives, primitiveCount, first);
         // Depths grow away from the eye; negated, the farthest comes first. Groups at equal depth stay in order.
-        uint32_t key = qcSort_FloatKey(-FindDepth(primitives, first, end, corners, axis));
-        QC_AT(qcSortItem, order->groups, order->groups.count++) = (qcSortItem){key, first};
+        groups[count++] = (qcSortItem){qcSort_FloatKey(-FindDepth(primitives, first, end, corners, axis)), first};
     }
+    order->groups.count = count;
     QC_TRY(qcSort_Items(order->groups.data, order->groups.count, &order->scratch));
     QC_TRY(qcArray_Resize(&order->primitives, primitiveCount, sizeof(uint32_t), "the order of primitives"));
-    size_t at = 0;
-    for (size_t g = 0; g < order->groups.count; g++)
+    uint32_t* out = order->primitives.data;
+    for (size_t g = 0; g < count; g++)
     {
-        uint32_t first = (uint32_t)QC_AT(qcSortItem, order->groups, g).value,
-                 end = SkipGroup(primitives, primitiveCount, first);
+        uint32_t first = (uint32_t)groups[g].value, end = SkipGroup(primitives, primitiveCount, first);
         for (uint32_t i = first; i < end; i++)
-            QC_AT(uint32_t, order->primitives, at++) = i;
+            *out++ = i;
     }
     return qc_statusOk;
 }

@@ -4,10 +4,14 @@
 // plugin/docs/proofs/two_pass_culling.md.
 #include "cull/visibility/two_pass.h"
 
-#include "gl/visibility/occlusion_queries.h"
 #include "base/status.h"
 
 #include <string.h>
+
+enum
+{
+    qc_setCount = qc_setNfv + 1
+};
 
 typedef struct Pass
 {
@@ -18,37 +22,37 @@ typedef struct Pass
     qcArray* records;
 } Pass;
 
-static qcStatus AddStep(qcCullScratch* scratch, const qcCullPrimitive* primitive, uint32_t index, bool test,
-                        bool render)
+/// The steps of a pass, as they are added; there is room.
+typedef struct Steps
 {
-    QC_TRY(qcArray_Reserve(&scratch->steps, scratch->steps.count + 1, sizeof(qcVisibilityStep), "visibility steps"));
-    QC_TRY(qcArray_Reserve(&scratch->stepOf, scratch->stepOf.count + 1, sizeof(uint32_t), "visibility steps"));
-    qcVisibilityStep step = {primitive->firstTriangle, primitive->triangleCount, test, render};
-    QC_AT(qcVisibilityStep, scratch->steps, scratch->steps.count++) = step;
-    QC_AT(uint32_t, scratch->stepOf, scratch->stepOf.count++) = index;
-    return qc_statusOk;
+    const qcCullPrimitive* primitives;
+    const uint32_t* order;
+    const qcVisibilitySet* sets;
+    bool tests[qc_setCount], renders[qc_setCount]; ///< by set, whether the pass does so
+    qcVisibilityStep* steps;
+    uint32_t* stepOf;
+    size_t count;
+} Steps;
+
+static inline void AddStep(Steps* s, uint32_t index, bool test, bool render)
+{
+    const qcCullPrimitive* primitive = &s->primitives[index];
+    s->steps[s->count] = (qcVisibilityStep){primitive->firstTriangle, primitive->triangleCount, test, render};
+    s->stepOf[s->count] = index;
+    s->count += test || render;
 }
 
-/// The steps of one group: tests precede renders, so that it does not hide itself.
-static qcStatus AddGroup(const Pass* p, int pass, uint32_t first, uint32_t end)
+/// Adds the steps of one group: tests precede renders, so that it does not hide itself.
+static inline void AddGroup(Steps* s, uint32_t first, uint32_t end)
 {
-    const qcCullJob* job = p->job;
-    for (int round = 0; round < 2; round++)
-        for (uint32_t at = first; at < end; at++)
-        {
-            uint32_t i = QC_AT(uint32_t, p->scratch->order.primitives, at);
-            bool test = qcVisibilitySet_IsTested(p->sets[i], pass, job->quick);
-            bool render = qcVisibilitySet_IsRendered(p->sets[i], pass, job->quick);
-            bool alone = end == first + 1;
-            if (!alone)
-            {
-                test = test && round == 0;
-                render = render && round == 1;
-            }
-            if ((test || render) && !(alone && round == 1))
-                QC_TRY(AddStep(p->scratch, &job->primitives[i], i, test, render));
-        }
-    return qc_statusOk;
+    bool alone = end == first + 1;
+    for (uint32_t at = first; at < end; at++)
+    {
+        qcVisibilitySet set = s->sets[s->order[at]];
+        AddStep(s, s->order[at], s->tests[set], alone && s->renders[set]);
+    }
+    for (uint32_t at = first; at < end && !alone; at++)
+        AddStep(s, s->order[at], false, s->renders[s->sets[s->order[at]]]);
 }
 
 static uint32_t GroupAt(const Pass* p, uint32_t at)
@@ -56,28 +60,59 @@ static uint32_t GroupAt(const Pass* p, uint32_t at)
     return p->job->primitives[QC_AT(uint32_t, p->scratch->order.primitives, at)].group;
 }
 
+/// The end of the group that begins here, in the order.
+static uint32_t FindGroupEnd(const Pass* p, uint32_t first)
+{
+    uint32_t end = first + 1;
+    // Within one body each triangle is a group.
+    if (p->job->level == qc_levelSelf)
+        return end;
+    for (uint32_t group = GroupAt(p, first); end < p->job->primitiveCount && GroupAt(p, end) == group;)
+        end++;
+    return end;
+}
+
+/// The beginning of the group that ends here.
+static uint32_t FindGroupBegin(const Pass* p, uint32_t end)
+{
+    uint32_t first = end - 1;
+    if (p->job->level == qc_levelSelf)
+        return first;
+    for (uint32_t group = GroupAt(p, first); first > 0 && GroupAt(p, first - 1) == group;)
+        first--;
+    return first;
+}
+
 /// First pass: in order; second pass: groups in reverse order.
 static qcStatus AddSteps(const Pass* p, int pass)
 {
     const qcCullJob* job = p->job;
-    p->scratch->steps.count = 0;
-    p->scratch->stepOf.count = 0;
-    if (pass == 1)
+    qcCullScratch* scratch = p->scratch;
+    // A step more: one that does nothing is written and not counted.
+    size_t room = (size_t)2 * job->primitiveCount + 1;
+    QC_TRY(qcArray_Reserve(&scratch->steps, room, sizeof(qcVisibilityStep), "visibility steps"));
+    QC_TRY(qcArray_Reserve(&scratch->stepOf, room, sizeof(uint32_t), "visibility steps"));
+    Steps s = {.primitives = job->primitives,
+               .order = scratch->order.primitives.data,
+               .sets = p->sets,
+               .steps = scratch->steps.data,
+               .stepOf = scratch->stepOf.data};
+    for (int set = 0; set < qc_setCount; set++)
     {
-        for (uint32_t first = 0, end; first < job->primitiveCount; first = end)
-        {
-            for (end = first + 1; end < job->primitiveCount && GroupAt(p, end) == GroupAt(p, first);)
-                end++;
-            QC_TRY(AddGroup(p, pass, first, end));
-        }
-        return qc_statusOk;
+        s.tests[set] = qcVisibilitySet_IsTested((qcVisibilitySet)set, pass, job->quick);
+        s.renders[set] = qcVisibilitySet_IsRendered((qcVisibilitySet)set, pass, job->quick);
     }
-    for (uint32_t end = job->primitiveCount, first; end > 0; end = first)
+    for (uint32_t first = 0, end; pass == 1 && first < job->primitiveCount; first = end)
     {
-        for (first = end - 1; first > 0 && GroupAt(p, first - 1) == GroupAt(p, end - 1);)
-            first--;
-        QC_TRY(AddGroup(p, pass, first, end));
+        end = FindGroupEnd(p, first);
+        AddGroup(&s, first, end);
     }
+    for (uint32_t end = job->primitiveCount, first; pass == 2 && end > 0; end = first)
+    {
+        first = FindGroupBegin(p, end);
+        AddGroup(&s, first, end);
+    }
+    scratch->steps.count = scratch->stepOf.count = s.count;
     return qc_statusOk;
 }
 
@@ -110,6 +145,29 @@ static qcStatus AddRecord(const Pass* p, char axis, uint32_t iteration, int pass
     return qc_statusOk;
 }
 
+/// Moves the primitives that are fully visible to their next sets. Returns whether that is progress.
+static bool TakeResults(const Pass* p, int pass)
+{
+    const qcCullScratch* scratch = p->scratch;
+    const qcVisibilityStep* steps = scratch->steps.data;
+    const uint32_t* stepOf = scratch->stepOf.data;
+    const uint8_t* visible = scratch->visible.data;
+    qcVisibilitySet next[qc_setCount];
+    for (int set = 0; set < qc_setCount; set++)
+        next[set] = qcVisibilitySet_After((qcVisibilitySet)set, pass, true);
+    bool changed = false;
+    for (size_t i = 0; i < scratch->steps.count; i++)
+    {
+        if (!steps[i].test || !visible[i])
+            continue;
+        qcVisibilitySet *set = &p->sets[stepOf[i]], after = next[*set];
+        // CULLIDE resets the sets for each view: only a pruned primitive is progress there.
+        changed = changed || (after != *set && (p->job->quick || after == qc_setBfv));
+        *set = after;
+    }
+    return changed;
+}
+
 static qcStatus RunPass(const Pass* p, char axis, uint32_t iteration, int pass, bool* changed)
 {
     const qcCullJob* job = p->job;
@@ -126,16 +184,8 @@ static qcStatus RunPass(const Pass* p, char axis, uint32_t iteration, int pass, 
                               .compare = job->level == qc_levelSelf ? qc_compareGreater : qc_compareGreaterEqual,
                               .fromBack = job->secondPassFromBack && pass == 2};
     QC_TRY(qcVisibility_RunPass(p->visibility, &setup, scratch->steps.data, stepCount, scratch->visible.data));
-    for (uint32_t i = 0; i < stepCount; i++)
-    {
-        if (!QC_AT(qcVisibilityStep, scratch->steps, i).test)
-            continue;
-        qcVisibilitySet* set = &p->sets[QC_AT(uint32_t, scratch->stepOf, i)];
-        qcVisibilitySet after = qcVisibilitySet_After(*set, pass, QC_AT(uint8_t, scratch->visible, i) != 0);
-        // CULLIDE resets the sets for each view: only a pruned primitive is progress there.
-        *changed = *changed || (after != *set && (job->quick || after == qc_setBfv));
-        *set = after;
-    }
+    if (TakeResults(p, pass))
+        *changed = true;
     return AddRecord(p, axis, iteration, pass);
 }
 
@@ -180,8 +230,9 @@ static void EndView(const Pass* p, const char* axis)
     }
 }
 
-static qcStatus RunViews(const Pass* p)
+static qcStatus RunViews(void* context)
 {
+    const Pass* p = context;
     const qcCullJob* job = p->job;
     QC_TRY(qcCullOrder_ByNumber(&p->scratch->order, job->primitiveCount));
     QC_TRY(ResetViews(p));
@@ -204,16 +255,20 @@ static qcStatus RunViews(const Pass* p)
 
 qcStatus qcCullVisibility_Run(const qcCullJob* job, qcCullScratch* scratch, qcVisibilitySet* sets, qcArray* records)
 {
-    Pass p = {job, NULL, scratch, sets, records};
     qcVisibilityDef def = {.device = job->device,
                            .corners = job->corners,
                            .triangleCount = job->triangleCount,
                            .resolution = job->resolution,
                            .dilated = job->reliable,
                            .dilation = {job->growth[0], job->growth[1], job->growth[2]}};
-    QC_TRY(qcVisibility_Create(&def, &p.visibility));
-    qcStatus status = RunViews(&p);
-    qcVisibility_Destroy(p.visibility);
+    QC_TRY(qcVisibility_Prepare(&def, &scratch->visibility));
+    Pass p = {job, scratch->visibility, scratch, sets, records};
+    qcStatus status = qcVisibility_Run(scratch->visibility, RunViews, &p);
+    if (status != qc_statusOk)
+    {
+        qcVisibility_Destroy(scratch->visibility);
+        scratch->visibility = NULL;
+    }
     return status;
 }
 
@@ -223,5 +278,6 @@ void qcCullScratch_Free(qcCullScratch* scratch)
     qcArray_Free(&scratch->visible);
     qcArray_Free(&scratch->stepOf);
     qcArray_Free(&scratch->setsOfViews);
+    qcVisibility_Destroy(scratch->visibility);
     qcCullOrder_Free(&scratch->order);
 }

@@ -3,6 +3,7 @@
 #define QC_CULL_VISIBILITY_TWO_PASS_H
 
 #include "cull/visibility/draw_order.h"
+#include "gl/visibility/occlusion_queries.h"
 #include "quickcullide/scene.h"
 #include "scene/visibility_sets.h"
 
@@ -22,9 +23,10 @@ typedef struct qcCullJob
     uint32_t primitiveCount;
 } qcCullJob;
 
-/// Memory, retained between steps.
+/// Memory, retained between steps. Free it before the device.
 typedef struct qcCullScratch
 {
+    qcVisibility* visibility; ///< null: none yet
     qcArray steps, visible, stepOf, setsOfViews;
     qcCullOrder order;
 } qcCullScratch;

@@ -96,10 +96,10 @@ bool qcFragmentFlags_AreSupported(const struct qcGlFunctions* gl)
 }
 
 /// Replaces the contents of a buffer, and binds it for the shaders.
-static void Upload(const struct qcGlFunctions* gl, GLuint buffer, GLuint binding, const qcArray* data, size_t size)
+static void Upload(const struct qcGlFunctions* gl, GLuint buffer, GLuint binding, const void* data, size_t bytes)
 {
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffer);
-    gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(data->count * size), data->data, GL_STREAM_COPY);
+    gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)bytes, data, GL_STREAM_COPY);
 }
 
 /// A tile's depths. Their contents are undefined.
@@ -119,6 +119,9 @@ qcStatus qcFragmentFlags_Create(const struct qcGlFunctions* gl, uint32_t tileSiz
     QC_TRY(qcGlFunctions_GetProgram(gl, dilated ? "dilated visibility flags" : "visibility flags",
                                     dilated ? s_dilatedVertexShader : s_vertexShader,
                                     dilated ? s_dilatedFragmentShader : s_fragmentShader, &flags->program));
+    flags->axisUniform = gl->GetUniformLocation(flags->program, "axis");
+    flags->greaterUniform = gl->GetUniformLocation(flags->program, "greater");
+    flags->scaleUniform = gl->GetUniformLocation(flags->program, "scale");
     flags->partUniform = gl->GetUniformLocation(flags->program, "part");
     flags->tileUniform = gl->GetUniformLocation(flags->program, "tile");
     flags->vertexCount = (GLsizei)qcTileSchedule_GetIndexCount(dilated ? qc_dilatedCorners : 3);
@@ -130,10 +133,10 @@ qcStatus qcFragmentFlags_Create(const struct qcGlFunctions* gl, uint32_t tileSiz
     return qc_statusOk;
 }
 
-void qcFragmentFlags_SetCorners(const struct qcGlFunctions* gl, const qcFragmentFlags* flags, const qcArray* corners,
-                                size_t size)
+void qcFragmentFlags_SetCorners(const struct qcGlFunctions* gl, const qcFragmentFlags* flags, const void* corners,
+                                size_t bytes)
 {
-    Upload(gl, flags->cornerBuffer, 0, corners, size);
+    Upload(gl, flags->cornerBuffer, 0, corners, bytes);
 }
 
 void qcFragmentFlags_Delete(const struct qcGlFunctions* gl, const qcFragmentFlags* flags)
@@ -155,18 +158,18 @@ qcStatus qcFragmentFlags_BeginPass(const struct qcGlFunctions* gl, qcFragmentFla
     if (pass->stepCount > 0)
         memset(flags->flags.data, 0, pass->stepCount * sizeof(uint32_t));
     gl->UseProgram(flags->program);
-    gl->Uniform1f(gl->GetUniformLocation(flags->program, "scale"), pass->scale);
+    gl->Uniform1f(flags->scaleUniform, pass->scale);
     if (flags->depthBuffer == 0)
-        gl->Uniform1i(gl->GetUniformLocation(flags->program, "axis"), pass->axis);
+        gl->Uniform1i(flags->axisUniform, pass->axis);
     else
     {
         gl->Disable(GL_DEPTH_TEST);
-        gl->Uniform1ui(gl->GetUniformLocation(flags->program, "greater"), pass->greater);
+        gl->Uniform1ui(flags->greaterUniform, pass->greater);
         gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, flags->depthBuffer);
     }
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, flags->cornerBuffer);
-    Upload(gl, flags->polygonBuffer, 1, pass->polygons, sizeof(qcSchedulePolygon));
-    Upload(gl, flags->flagBuffer, 2, &flags->flags, sizeof(uint32_t));
+    Upload(gl, flags->polygonBuffer, 1, pass->polygons->data, pass->polygons->count * sizeof(qcSchedulePolygon));
+    Upload(gl, flags->flagBuffer, 2, flags->flags.data, flags->flags.count * sizeof(uint32_t));
     return qc_statusOk;
 }
 
@@ -191,7 +194,7 @@ void qcFragmentFlags_Draw(const struct qcGlFunctions* gl, const qcFragmentFlags*
     gl->DrawArrays(GL_TRIANGLES, (GLint)first * flags->vertexCount, (GLsizei)count * flags->vertexCount);
 }
 
-void qcFragmentFlags_Read(const struct qcGlFunctions* gl, const qcFragmentFlags* flags, uint8_t* visible)
+void qcFragmentFlags_Read(const struct qcGlFunctions* gl, const qcFragmentFlags* flags)
 {
     uint32_t* failed = flags->flags.data;
     size_t count = flags->flags.count;
@@ -202,7 +205,4 @@ void qcFragmentFlags_Read(const struct qcGlFunctions* gl, const qcFragmentFlags*
     gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, flags->flagBuffer);
     gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)(count * sizeof(uint32_t)), failed);
-    for (size_t i = 0; i < count; ++i)
-        if (failed[i] != 0)
-            visible[i] = 0;
 }

@@ -15,7 +15,7 @@ typedef struct qcFragmentFlags
 {
     GLuint program, cornerBuffer, polygonBuffer, flagBuffer;
     GLuint depthBuffer; ///< of dilated triangles: a tile's depths, the bits of floats
-    GLint partUniform, tileUniform;
+    GLint axisUniform, greaterUniform, partUniform, scaleUniform, tileUniform;
     GLsizei vertexCount; ///< of a polygon
     qcArray flags;       ///< of uint32_t, one a step: 0 if no fragment failed
 } qcFragmentFlags;
@@ -34,8 +34,8 @@ bool qcFragmentFlags_AreSupported(const struct qcGlFunctions* gl);
 /// Compiles the program. `tileSize`: of dilated triangles' depths; 0: triangles are not dilated.
 qcStatus qcFragmentFlags_Create(const struct qcGlFunctions* gl, uint32_t tileSize, qcFragmentFlags* flags);
 /// Uploads nine floats a triangle, or qc_dilatedCorners of qcDilatedCorner.
-void qcFragmentFlags_SetCorners(const struct qcGlFunctions* gl, const qcFragmentFlags* flags, const qcArray* corners,
-                                size_t size);
+void qcFragmentFlags_SetCorners(const struct qcGlFunctions* gl, const qcFragmentFlags* flags, const void* corners,
+                                size_t bytes);
 void qcFragmentFlags_Delete(const struct qcGlFunctions* gl, const qcFragmentFlags* flags);
 void qcFragmentFlags_Free(qcFragmentFlags* flags);
 
@@ -55,7 +55,7 @@ void qcFragmentFlags_BeginTile(const struct qcGlFunctions* gl, const qcFragmentF
 /// Draws polygons with the current depth test.
 void qcFragmentFlags_Draw(const struct qcGlFunctions* gl, const qcFragmentFlags* flags, size_t first, size_t count,
                           qcFlagPart part);
-/// Waits, then sets visible[i] = 0 for each step i with a fragment that failed.
-void qcFragmentFlags_Read(const struct qcGlFunctions* gl, const qcFragmentFlags* flags, uint8_t* visible);
+/// Waits, then fills flags->flags.
+void qcFragmentFlags_Read(const struct qcGlFunctions* gl, const qcFragmentFlags* flags);
 
 #endif

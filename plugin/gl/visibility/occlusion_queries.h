@@ -28,7 +28,8 @@ typedef enum qcVisibilityCompare
 typedef struct qcVisibilityDef
 {
     qcDevice* device;
-    const float* corners; ///< nine floats a triangle, every coordinate within [-1, 1] (x, y, z as in the world)
+    /// Nine floats a triangle, every coordinate within [-1, 1] (x, y, z as in the world). Read by each pass.
+    const float* corners;
     uint32_t triangleCount;
     uint32_t resolution; ///< pixels on a side, at most the device's limit
     /// The image is drawn in tiles of this many pixels on a side; 0: the device's default. Samples don't depend on it;
@@ -40,7 +41,10 @@ typedef struct qcVisibilityDef
     double dilation[3];
 } qcVisibilityDef;
 
-qcStatus qcVisibility_Create(const qcVisibilityDef* def, qcVisibility** visibility);
+/// Prepares tests of these triangles. `visibility`: null, or made before for other triangles; then its memory and its
+/// GL objects are kept where they fit. On failure it may be the old one or null.
+qcStatus qcVisibility_Prepare(const qcVisibilityDef* def, qcVisibility** visibility);
+/// Before the device's.
 void qcVisibility_Destroy(qcVisibility* visibility);
 
 typedef struct qcVisibilityPass
@@ -50,6 +54,12 @@ typedef struct qcVisibilityPass
     /// View from the other side: rendering keeps the farthest depth, and fully visible means fully behind.
     bool fromBack;
 } qcVisibilityPass;
+
+/// Work that runs passes, on the device's thread.
+typedef qcStatus qcVisibilityWork(void* context);
+
+/// Runs work and waits for it: threads change once for all its passes. GL's errors are found at its end.
+qcStatus qcVisibility_Run(qcVisibility* visibility, qcVisibilityWork* work, void* context);
 
 /// Runs one pass from an empty buffer. The steps take effect in their order.
 /// visible[i] = 1 when step i has its test flag and no fragment of it fails; else 0.

@@ -12,13 +12,6 @@ enum
     qc_maxCellsPerSide = 1024
 };
 
-/// How a triangle is drawn.
-enum
-{
-    qc_drawTest = 1,
-    qc_drawRender = 2
-};
-
 // Pixels by which a rasteriser may move a corner, in x and y each: GL demands 4 bits of subpixel.
 static const float s_snap = 0.0625f;
 
@@ -212,24 +205,18 @@ static bool HasSample(const Triangle* t)
            floorf(t->upper[1] - 0.5f) >= ceilf(t->lower[1] - 0.5f);
 }
 
-/// Triangles of a step that takes part.
-static uint32_t CountTriangles(const qcVisibilityStep* step)
-{
-    return step->test || step->render ? step->triangleCount : 0;
-}
-
 static qcStatus MakeTriangles(const Finder* f)
 {
     qcSureResults* r = f->results;
     size_t count = 0;
     for (uint32_t s = 0; s < f->stepCount; ++s)
-        count += CountTriangles(&f->steps[s]);
+        count += qcSureResults_CountParts(&f->steps[s]);
     QC_TRY(qcArray_Reserve(&r->triangles, count, sizeof(Triangle), "triangles of visibility tests"));
     r->triangles.count = 0;
     for (uint32_t s = 0; s < f->stepCount; ++s)
     {
         const qcVisibilityStep* step = &f->steps[s];
-        for (uint32_t k = 0; k < CountTriangles(step); ++k)
+        for (uint32_t k = 0; k < qcSureResults_CountParts(step); ++k)
             QC_AT(Triangle, r->triangles, r->triangles.count++) = MakeTriangle(f->view, step->firstTriangle + k, s);
     }
     return qc_statusOk;
@@ -345,7 +332,7 @@ static void MarkCell(const Finder* f, const Triangle* t, size_t end, uint32_t ce
     const size_t* first = f->results->cellFirst.data;
     size_t cell = (size_t)cellY * f->cellsPerSide + cellX;
     const Entry* entries = f->results->entries.data;
-    uint8_t* drawn = f->results->drawn.data;
+    uint32_t* found = f->results->found.data;
     for (size_t i = first[cell]; i < first[cell + 1] && entries[i].triangle < end; ++i)
     {
         const Entry* entry = &entries[i];
@@ -353,11 +340,11 @@ static void MarkCell(const Finder* f, const Triangle* t, size_t end, uint32_t ce
             entry->lower[1] > t->upper[1] || entry->upper[1] < t->lower[1])
             continue;
         // Where the triangle is tested in any case, a render that is drawn in any case makes no difference.
-        bool isMarked = *any && (drawn[entry->triangle] & qc_drawRender) != 0;
+        bool isMarked = *any && (found[entry->triangle] & qc_sureRender) != 0;
         if (isMarked || !IsFirstCell(f, entry, t, cellX, cellY) ||
             !MayHide(&QC_AT(Triangle, f->results->triangles, entry->triangle), t))
             continue;
-        drawn[entry->triangle] |= qc_drawRender;
+        found[entry->triangle] |= qc_sureRender;
         *any = true;
     }
 }
@@ -375,54 +362,30 @@ static bool MarkHiders(const Finder* f, const Triangle* t, size_t end)
 }
 
 /// Decides the test of a step, whose triangles begin here, or leaves those triangles of it that something may hide.
-static void DecideStep(const Finder* f, uint32_t step, size_t firstTriangle, uint8_t* visible)
+static void DecideStep(const Finder* f, uint32_t step, size_t firstTriangle)
 {
     size_t end = firstTriangle + f->steps[step].triangleCount;
     for (size_t i = firstTriangle; i < end; ++i)
     {
         if (!IsHidden(f, &QC_AT(Triangle, f->results->triangles, i), firstTriangle))
             continue;
-        visible[step] = 0;
+        QC_AT(uint32_t, f->results->found, i) |= qc_sureHidden;
         return;
     }
     for (size_t i = firstTriangle; i < end; ++i)
         if (MarkHiders(f, &QC_AT(Triangle, f->results->triangles, i), firstTriangle))
-            QC_AT(uint8_t, f->results->drawn, i) |= qc_drawTest;
-    visible[step] = 1;
+            QC_AT(uint32_t, f->results->found, i) |= qc_sureTest;
 }
 
-/// Adds the triangles of a step, which begin here, that are drawn in this way.
-static void AddSteps(const Finder* f, uint32_t step, size_t firstTriangle, unsigned draw)
-{
-    qcSureResults* r = f->results;
-    for (uint32_t k = 0; k < CountTriangles(&f->steps[step]); ++k)
-    {
-        if ((QC_AT(uint8_t, r->drawn, firstTriangle + k) & draw) == 0)
-            continue;
-        QC_AT(uint32_t, r->stepOf, r->steps.count) = step;
-        QC_AT(qcVisibilityStep, r->steps, r->steps.count++) =
-            (qcVisibilityStep){f->steps[step].firstTriangle + k, 1, draw == qc_drawTest, draw == qc_drawRender};
-    }
-}
-
-/// Decides the tests of all steps, and adds what is left of them.
-static qcStatus DecideSteps(const Finder* f, uint8_t* visible)
+static qcStatus DecideSteps(const Finder* f)
 {
     qcSureResults* r = f->results;
     size_t triangleCount = r->triangles.count, triangle = 0;
-    QC_TRY(qcArray_Resize(&r->drawn, triangleCount, 1, "triangles of visibility tests"));
-    memset(r->drawn.data, 0, triangleCount);
-    for (uint32_t s = 0; s < f->stepCount; triangle += CountTriangles(&f->steps[s++]))
+    QC_TRY(qcArray_Resize(&r->found, triangleCount, sizeof(uint32_t), "triangles of visibility tests"));
+    memset(r->found.data, 0, triangleCount * sizeof(uint32_t));
+    for (uint32_t s = 0; s < f->stepCount; triangle += qcSureResults_CountParts(&f->steps[s++]))
         if (f->steps[s].test)
-            DecideStep(f, s, triangle, visible);
-    QC_TRY(qcArray_Reserve(&r->steps, 2 * triangleCount, sizeof(qcVisibilityStep), "visibility steps"));
-    QC_TRY(qcArray_Reserve(&r->stepOf, 2 * triangleCount, sizeof(uint32_t), "visibility steps"));
-    triangle = 0;
-    for (uint32_t s = 0; s < f->stepCount; triangle += CountTriangles(&f->steps[s++]))
-    {
-        AddSteps(f, s, triangle, qc_drawTest);
-        AddSteps(f, s, triangle, qc_drawRender);
-    }
+            DecideStep(f, s, triangle);
     return qc_statusOk;
 }
 
@@ -435,12 +398,73 @@ qcStatus qcSureResults_Find(qcSureResults* r, const qcSureView* view, const qcVi
     if (r->triangles.count == 0)
         return qc_statusOk;
     QC_TRY(MakeCells(&f));
-    return DecideSteps(&f, visible);
+    QC_TRY(DecideSteps(&f));
+    return qcSureResults_Take(r, steps, stepCount, r->found.data, visible);
+}
+
+//  ---- what is left --------------------------------------------------------------------------------
+
+/// Adds a triangle of a step; there is room.
+static void AddStep(qcSureResults* r, const qcVisibilityStep* step, uint32_t number, uint32_t k, bool test, bool render)
+{
+    QC_AT(uint32_t, r->stepOf, r->stepOf.count++) = number;
+    QC_AT(qcVisibilityStep, r->steps, r->steps.count++) = (qcVisibilityStep){step->firstTriangle + k, 1, test, render};
+}
+
+/// Adds the triangles of a step that are drawn in this way.
+static void AddSteps(qcSureResults* r, const qcVisibilityStep* step, uint32_t number, const uint32_t* found,
+                     qcSureFound draw)
+{
+    for (uint32_t k = 0; k < step->triangleCount; ++k)
+        if ((found[k] & draw) != 0)
+            AddStep(r, step, number, k, draw == qc_sureTest, draw == qc_sureRender);
+}
+
+/// Adds what is drawn of a step. Returns whether it is hidden.
+static bool TakeStep(qcSureResults* r, const qcVisibilityStep* step, uint32_t number, const uint32_t* found)
+{
+    uint32_t any = 0;
+    for (uint32_t k = 0; k < step->triangleCount; ++k)
+        any |= found[k];
+    bool isHidden = (any & qc_sureHidden) != 0;
+    // A step that is hidden needs no test. One that is rendered in any case may be so where no test needs it.
+    if (r->counts && (any & qc_sureTest) != 0 && !isHidden && step->render && step->triangleCount == 1)
+    {
+        AddStep(r, step, number, 0, true, true);
+        return false;
+    }
+    if ((any & qc_sureTest) != 0 && !isHidden)
+        AddSteps(r, step, number, found, qc_sureTest);
+    if ((any & qc_sureRender) != 0)
+        AddSteps(r, step, number, found, qc_sureRender);
+    return isHidden;
+}
+
+qcStatus qcSureResults_Take(qcSureResults* r, const qcVisibilityStep* steps, uint32_t stepCount, const uint32_t* found,
+                            uint8_t* visible)
+{
+    size_t room = 2 * qcSureResults_CountTriangles(steps, stepCount);
+    QC_TRY(qcArray_Reserve(&r->steps, room, sizeof(qcVisibilityStep), "visibility steps"));
+    QC_TRY(qcArray_Reserve(&r->stepOf, room, sizeof(uint32_t), "visibility steps"));
+    r->steps.count = r->stepOf.count = 0;
+    for (uint32_t s = 0; s < stepCount; ++s)
+    {
+        const qcVisibilityStep* step = &steps[s];
+        if (!step->test && !step->render)
+            continue;
+        // Nothing is left of most steps.
+        bool isLeft = step->triangleCount != 1 || *found != 0;
+        bool isHidden = isLeft && TakeStep(r, step, s, found);
+        if (step->test)
+            visible[s] = !isHidden;
+        found += step->triangleCount;
+    }
+    return qc_statusOk;
 }
 
 void qcSureResults_Free(qcSureResults* r)
 {
-    qcArray* arrays[] = {&r->steps, &r->stepOf, &r->triangles, &r->cellFirst, &r->entries, &r->drawn};
+    qcArray* arrays[] = {&r->steps, &r->stepOf, &r->triangles, &r->cellFirst, &r->entries, &r->found};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i)
         qcArray_Free(arrays[i]);
 }

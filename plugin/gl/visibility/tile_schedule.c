@@ -9,9 +9,9 @@
 
 enum
 {
-    // Pixels on a side of the cells by which overlaps of steps are found: about the size of a triangle when 20 000 of
-    // them fill an image of 1024 pixels.
-    qc_cellSize = 8,
+    // Pixels on a side of the smallest cells by which overlaps of steps are found: about the size of a triangle when
+    // 20 000 of them fill an image of 1024 pixels.
+    qc_minCellSize = 8,
     // Cells on a side of a tile at most, so that a step as large as the image stays cheap.
     qc_maxCells = 256
 };
@@ -36,13 +36,6 @@ typedef struct Run
     size_t firstEntry;
 } Run;
 
-/// Levels of the steps that touched a cell so far.
-typedef struct Cell
-{
-    uint32_t afterRenders; ///< first level whose tests see every render so far
-    uint32_t lastTest;     ///< last level that tests
-} Cell;
-
 typedef struct CellBox
 {
     uint32_t x0, y0, x1, y1;
@@ -63,7 +56,14 @@ typedef struct Pass
     const qcVisibilityStep* steps;
     uint32_t stepCount;
     uint32_t tilesPerSide;
+    bool hasLevels; ///< some tests are not counted
 } Pass;
+
+/// Whether a step is tested by counting the fragments that pass as it is rendered.
+static bool IsCounted(const qcScheduleView* view, const qcVisibilityStep* step)
+{
+    return view->counts && step->test && step->render && step->triangleCount == 1;
+}
 
 /// The pixel that contains a coordinate in pixels, clamped to the image; NaN gives 0.
 static uint16_t ClampPixel(float pixel, uint32_t resolution)
@@ -157,54 +157,84 @@ static PixelBox JoinBoxes(PixelBox a, PixelBox b)
                       a.y1 > b.y1 ? a.y1 : b.y1};
 }
 
-/// Whether a step is tested by counting the fragments that pass as it is rendered.
-static bool IsCounted(const qcScheduleView* view, const qcVisibilityStep* step)
+/// The cells of a tile, and the levels of the steps that touched each so far.
+typedef struct Cells
 {
-    return view->counts && step->test && step->render && step->triangleCount == 1;
+    uint32_t size, perSide; ///< pixels on a side of a cell; cells on a side of the tile
+    uint32_t* afterRenders; ///< first level whose tests see every render so far
+    uint32_t* lastTest;     ///< last level that tests
+} Cells;
+
+static uint32_t FindMaxLevel(const Cells* cells, const uint32_t* levels, CellBox box)
+{
+    uint32_t max = 0;
+    for (uint32_t y = box.y0; y <= box.y1; ++y)
+    {
+        const uint32_t* row = levels + (size_t)y * cells->perSide;
+        for (uint32_t x = box.x0; x <= box.x1; ++x)
+            max = row[x] > max ? row[x] : max;
+    }
+    return max;
+}
+
+static void RaiseLevels(const Cells* cells, uint32_t* levels, CellBox box, uint32_t level)
+{
+    for (uint32_t y = box.y0; y <= box.y1; ++y)
+    {
+        uint32_t* row = levels + (size_t)y * cells->perSide;
+        for (uint32_t x = box.x0; x <= box.x1; ++x)
+            row[x] = row[x] > level ? row[x] : level;
+    }
 }
 
 /// Returns the first level of a step at which its tests see all earlier renders, and no earlier test sees its renders.
 /// Updates the cells.
-static uint32_t TakeLevel(Cell* cells, uint32_t cellsPerSide, CellBox box, const qcVisibilityStep* step, bool isCounted)
+static uint32_t TakeLevel(const Cells* cells, CellBox box, const qcVisibilityStep* step, bool isCounted)
 {
     uint32_t level = 0;
-    for (uint32_t y = box.y0; y <= box.y1; ++y)
+    // A counted test sees the renders before it in its own level, too.
+    if (step->test)
+        level = FindMaxLevel(cells, cells->afterRenders, box);
+    if (isCounted && level > 0)
+        --level;
+    // Within a level renders come after tests, and after the counted tests before them.
+    if (step->render)
     {
-        for (uint32_t x = box.x0; x <= box.x1; ++x)
-        {
-            const Cell* cell = &cells[(size_t)y * cellsPerSide + x];
-            // A counted test sees the renders before it in its own level, too.
-            if (step->test && cell->afterRenders > level + isCounted)
-                level = cell->afterRenders - isCounted;
-            // Within a level renders come after tests, and after the counted tests before them.
-            if (step->render && cell->lastTest > level)
-                level = cell->lastTest;
-        }
+        uint32_t lastTest = FindMaxLevel(cells, cells->lastTest, box);
+        level = lastTest > level ? lastTest : level;
+        RaiseLevels(cells, cells->afterRenders, box, level + 1);
     }
-    for (uint32_t y = box.y0; y <= box.y1; ++y)
-    {
-        for (uint32_t x = box.x0; x <= box.x1; ++x)
-        {
-            Cell* cell = &cells[(size_t)y * cellsPerSide + x];
-            if (step->render && cell->afterRenders < level + 1)
-                cell->afterRenders = level + 1;
-            if (step->test && cell->lastTest < level)
-                cell->lastTest = level;
-        }
-    }
+    if (step->test)
+        RaiseLevels(cells, cells->lastTest, box, level);
     return level;
 }
 
-/// Clears the cells of a tile. Returns their number on a side and their size in pixels.
-static qcStatus ClearCells(qcTileSchedule* s, uint32_t tileSize, uint32_t* cellsPerSide, uint32_t* cellSize)
+/// Half the mean side of the boxes of entries, within the tile: larger cells are quicker, smaller ones find fewer
+/// overlaps.
+static uint32_t ChooseCellSize(const Entry* entries, size_t count, uint32_t tileSize)
 {
-    *cellSize = (tileSize + qc_maxCells - 1) / qc_maxCells;
-    if (*cellSize < qc_cellSize)
-        *cellSize = qc_cellSize;
-    *cellsPerSide = (tileSize + *cellSize - 1) / *cellSize;
-    size_t cellCount = (size_t)*cellsPerSide * *cellsPerSide;
-    QC_TRY(qcArray_Resize(&s->cells, cellCount, sizeof(Cell), "cells of a tile"));
-    memset(s->cells.data, 0, cellCount * sizeof(Cell));
+    uint64_t sum = 0;
+    for (size_t i = 0; i < count; ++i)
+    {
+        uint32_t width = (uint32_t)(entries[i].box.x1 - entries[i].box.x0) + 1u,
+                 height = (uint32_t)(entries[i].box.y1 - entries[i].box.y0) + 1u;
+        sum += (width < tileSize ? width : tileSize) + (height < tileSize ? height : tileSize);
+    }
+    uint32_t size = (uint32_t)(sum / (4 * count)), min = (tileSize + qc_maxCells - 1) / qc_maxCells;
+    size = size > min ? size : min;
+    return size > qc_minCellSize ? size : qc_minCellSize;
+}
+
+/// Clears the cells of a tile.
+static qcStatus MakeCells(qcTileSchedule* s, uint32_t tileSize, uint32_t cellSize, Cells* cells)
+{
+    cells->size = cellSize;
+    cells->perSide = (tileSize + cellSize - 1) / cellSize;
+    size_t count = (size_t)cells->perSide * cells->perSide;
+    QC_TRY(qcArray_Resize(&s->cells, 2 * count, sizeof(uint32_t), "cells of a tile"));
+    memset(s->cells.data, 0, 2 * count * sizeof(uint32_t));
+    cells->afterRenders = s->cells.data;
+    cells->lastTest = cells->afterRenders + count;
     return qc_statusOk;
 }
 
@@ -212,22 +242,26 @@ static qcStatus ClearCells(qcTileSchedule* s, uint32_t tileSize, uint32_t* cells
 static qcStatus FindRuns(qcTileSchedule* s, const Pass* pass, const qcScheduleTile* tile, const size_t entryRange[2],
                          uint32_t* levelCount)
 {
-    uint32_t tileSize = pass->view->tileSize, cellsPerSide = 0, cellSize = 0;
-    QC_TRY(ClearCells(s, tileSize, &cellsPerSide, &cellSize));
-    QC_TRY(qcArray_Resize(&s->runs, 0, sizeof(Run), "runs of a tile"));
-    *levelCount = 0;
     const Entry* entries = s->entries.data;
+    size_t entryCount = entryRange[1] - entryRange[0];
+    uint32_t tileSize = pass->view->tileSize;
+    Cells cells = {0};
+    if (pass->hasLevels)
+        QC_TRY(MakeCells(s, tileSize, ChooseCellSize(entries + entryRange[0], entryCount, tileSize), &cells));
+    QC_TRY(qcArray_Reserve(&s->runs, entryCount, sizeof(Run), "runs of a tile"));
+    s->runs.count = 0;
+    *levelCount = 0;
     for (size_t i = entryRange[0], end; i < entryRange[1]; i = end)
     {
         PixelBox box = entries[i].box;
         for (end = i + 1; end < entryRange[1] && entries[end].step == entries[i].step; ++end)
             box = JoinBoxes(box, entries[end].box);
-        CellBox cells = FindCells(box, tile, tileSize, cellSize);
         const qcVisibilityStep* step = &pass->steps[entries[i].step];
-        uint32_t level = TakeLevel(s->cells.data, cellsPerSide, cells, step, IsCounted(pass->view, step));
+        uint32_t level = 0;
+        if (pass->hasLevels)
+            level = TakeLevel(&cells, FindCells(box, tile, tileSize, cells.size), step, IsCounted(pass->view, step));
         if (level + 1 > *levelCount)
             *levelCount = level + 1;
-        QC_TRY(qcArray_Reserve(&s->runs, s->runs.count + 1, sizeof(Run), "runs of a tile"));
         QC_AT(Run, s->runs, s->runs.count++) = (Run){entries[i].step, (uint32_t)(end - i), level, i};
     }
     return qc_statusOk;
@@ -343,7 +377,9 @@ static qcStatus AddTile(qcTileSchedule* s, const Pass* pass, uint32_t tx, uint32
 qcStatus qcTileSchedule_Build(qcTileSchedule* s, const qcScheduleView* view, const qcVisibilityStep* steps,
                               uint32_t stepCount)
 {
-    Pass pass = {view, steps, stepCount, (view->resolution + view->tileSize - 1) / view->tileSize};
+    Pass pass = {view, steps, stepCount, (view->resolution + view->tileSize - 1) / view->tileSize, false};
+    for (uint32_t i = 0; i < stepCount && !pass.hasLevels; ++i)
+        pass.hasLevels = steps[i].test && !IsCounted(view, &steps[i]);
     s->indices.count = s->polygons.count = s->tests.count = s->batches.count = s->tiles.count = 0;
     QC_TRY(BinTriangles(s, &pass));
     size_t indexCount = qcTileSchedule_GetIndexCount(view->polygonCorners);
@@ -360,14 +396,6 @@ qcStatus qcTileSchedule_Build(qcTileSchedule* s, const qcScheduleView* view, con
         }
     }
     return qc_statusOk;
-}
-
-void qcTileSchedule_Renumber(qcTileSchedule* s, const uint32_t* stepOf)
-{
-    for (size_t i = 0; i < s->polygons.count; ++i)
-        QC_AT(qcSchedulePolygon, s->polygons, i).step = stepOf[QC_AT(qcSchedulePolygon, s->polygons, i).step];
-    for (size_t i = 0; i < s->tests.count; ++i)
-        QC_AT(qcScheduleTest, s->tests, i).step = stepOf[QC_AT(qcScheduleTest, s->tests, i).step];
 }
 
 void qcTileSchedule_Free(qcTileSchedule* s)

@@ -69,8 +69,6 @@ static inline size_t qcTileSchedule_GetIndexCount(uint32_t polygonCorners)
 /// Builds the order of a pass. O(triangles times tiles that each covers), plus O(runs times cells that each covers).
 qcStatus qcTileSchedule_Build(qcTileSchedule* schedule, const qcScheduleView* view, const qcVisibilityStep* steps,
                               uint32_t stepCount);
-/// Replaces each step's number by that of the step it is a part of.
-void qcTileSchedule_Renumber(qcTileSchedule* schedule, const uint32_t* stepOf);
 void qcTileSchedule_Free(qcTileSchedule* schedule);
 
 #endif
