@@ -83,8 +83,9 @@ qcStatus qcSureKernels_Create(const struct qcGlFunctions* gl, qcSureKernels* ker
         QC_TRY(qcGlFunctions_GetComputeProgram(gl, s_kernels[i].name, sources, 3, &kernels->programs[i]));
     }
     gl->GenBuffers(qc_sureBufferCount, kernels->buffers);
-    GLint maxBytes = 0;
-    gl->GetIntegerv(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &maxBytes);
+    // 64 bits: the limits of some GPUs are 2^31 and more.
+    GLint64 maxBytes = 0;
+    gl->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &maxBytes);
     kernels->maxBytes = maxBytes > 0 ? (size_t)maxBytes : 0;
     return qc_statusOk;
 }
