@@ -29,26 +29,47 @@ show_drivers()
     echo "Entries of EGL drivers: $(find /etc/glvnd /usr/share/glvnd -name '*.json' 2>/dev/null | tr '\n' ' ')"
 }
 
-# run_tests KIND: each test must run on a device of the kind, with all kernels, compiled anew.
+# run_test PROGRAM KIND: its output and its exit status go to $out/tests. All kernels are compiled anew.
+run_test()
+{
+    name=$(basename -- "$1")
+    status=0
+    QC_TEST_DEVICES=$2 QC_LAYERS_REFINE=device QC_PROGRAM_CACHE=off QC_TEST_LONG=yes \
+        "$1" >"$out/tests/$name.txt" 2>&1 || status=$?
+    echo "$status" >"$out/tests/$name.status"
+}
+
+# run_tests KIND: each test must run on a device of the kind. Several run at a time where there are many cores.
 run_tests()
 {
     required=$1
     [ "${MESA_LOADER_DRIVER_OVERRIDE-}" != zink ] || required=zink
+    jobs=$(($(getconf _NPROCESSORS_ONLN) / 4))
+    running=0
     failed=0
     echo "Tests on $required:"
     rm -rf "$out/tests"
     mkdir -p "$out/tests"
     for program in "$here"/bin/test_*; do
+        run_test "$program" "$required" &
+        running=$((running + 1))
+        [ "$running" -lt "$jobs" ] || {
+            wait
+            running=0
+        }
+    done
+    wait
+    for program in "$here"/bin/test_*; do
         name=$(basename -- "$program")
         log=$out/tests/$name.txt
-        if QC_TEST_DEVICES=$required QC_LAYERS_REFINE=device QC_PROGRAM_CACHE=off QC_TEST_LONG=yes \
-            "$program" >"$log" 2>&1; then
+        if [ "$(cat "$out/tests/$name.status")" = 0 ]; then
             echo "  $name: ok"
         else
             echo "  $name: FAILED, see $log"
             tail -n 3 "$log" | sed 's/^/    /'
             failed=$((failed + 1))
         fi
+        rm "$out/tests/$name.status"
     done
 }
 
