@@ -186,7 +186,7 @@ static qcStatus RunStages(const qcStep* step, qcBodies* bodies, double start, qc
     QC_TRY(Leave(step, SweepBodies(step, triangles, &d->pcs, &d->bodyPairs, &profile)));
     profile.sweepObjectsMs = Lap(&lap);
 
-    double planned = profile.planMs;
+    double planned = profile.planMs, culled = lap;
     Enter(step, "qcScene cull triangles");
     QC_TRY(Leave(
         step, qcMethodStage_Cull(step, triangles, &d->bodyPairs, &d->triangleStage, &d->imageCull, &d->pcs, &profile)));
@@ -194,9 +194,7 @@ static qcStatus RunStages(const qcStep* step, qcBodies* bodies, double start, qc
     Enter(step, "qcScene sweep triangles");
     QC_TRY(Leave(step, qcMethodStage_Sweep(step, triangles, &d->bodyPairs, &d->pcs, &d->triangleStage, &profile)));
     profile.sweepTrianglesMs = Lap(&lap);
-    const qcIslandRouting* routing = &d->triangleStage.routing;
-    qcPlanHistory_Add(&d->triangleStage.routing.history, profile.partsOnDevice != 0, routing->plannedTriangles,
-                      profile.cullTrianglesMs + profile.sweepTrianglesMs);
+    qcIslandRouting* routing = &d->triangleStage.routing;
     ReportDevice(step, &profile);
 
     const qcCandidates* candidates = &d->triangleStage.candidates;
@@ -208,6 +206,9 @@ static qcStatus RunStages(const qcStep* step, qcBodies* bodies, double start, qc
     Enter(step, "qcScene exact");
     QC_TRY(Leave(step, qcNarrowphase_Run(triangles, candidates, step->def, step->threads, &d->narrowphase, &profile)));
     Lap(&lap);
+    // Exact tests, too: the methods leave them more or fewer candidates.
+    qcPlanHistory_Add(&routing->history, profile.partsOnDevice != 0, routing->plannedTriangles,
+                      lap - culled - (profile.planMs - planned) - profile.contactMs);
     Enter(step, "qcScene manifolds");
     QC_TRY(Leave(step, BuildManifolds(step, triangles, &d->narrowphase, &d->manifolds)));
     profile.manifoldMs = Lap(&lap);

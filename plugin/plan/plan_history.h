@@ -21,6 +21,8 @@ enum
     /// Number of the first query at which a trial may start. A method's first query takes as long as some ten others
     /// (cloth of 20 K triangles): a short run has no trial, and in a longer one it adds less than 10 %.
     qc_firstTrial = 128,
+    /// The same where the calibration does not describe the scene: a method takes many times its estimate.
+    qc_earlyTrial = 16,
     /// Queries from a switch to a trial of the previous method.
     qc_confirmGap = 32,
     /// Queries between trials: initially and at most.
@@ -50,7 +52,7 @@ typedef struct qcPlanHistory
 
 /// True if the next query, with this count of triangles, is to run by `layers`. Depends on its arguments alone.
 bool qcPlanHistory_Choose(qcPlanHistory* history, const qcPlanCosts* costs, double triangles);
-/// Adds the milliseconds of a query, of the stages in which the methods differ.
+/// Adds the milliseconds of a query, of the stages in which the methods differ: from culling triangles to exact tests.
 void qcPlanHistory_Add(qcPlanHistory* history, bool onDevice, double triangles, double ms);
 
 #endif
