@@ -21,7 +21,7 @@ enum
     /// Number of the first query at which a trial may start. A method's first query takes as long as some ten others
     /// (cloth of 20 K triangles): a short run has no trial, and in a longer one it adds less than 10 %.
     qc_firstTrial = 128,
-    /// The same where the calibration does not describe the scene: a method takes many times its estimate.
+    /// Likewise, where the calibration does not describe the scene: a method takes many times its estimate.
     qc_earlyTrial = 16,
     /// Queries from a switch to a trial of the previous method.
     qc_confirmGap = 32,
