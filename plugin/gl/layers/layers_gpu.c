@@ -18,8 +18,7 @@
 
 enum
 {
-    // A node's number of cells is below 2^25, and so is the number of survivors of a pair of nodes: no counter
-    // overflows before its kernel notices.
+    // No kernel adds 2^31 items at once, and each notices a counter that has reached 2^31: none wraps around unseen.
     qc_maxItems = 1 << 25,
     qc_maxReruns = 64,
     // Calls for each job in device.c, beside those that are counted here: errors, and the context's state.
