@@ -296,10 +296,12 @@ static void RunVertices(const struct qcGlFunctions* gl, qcLayers* layers)
     RunSources(gl, layers);
 }
 
+/// About one for each pair of nodes of the last run; any number finds all pairs.
 static uint64_t TrianglePairGroups(const qcLayers* layers)
 {
     uint64_t capacity = ListCapacity(layers, list_nodePairs), least = capacity / qc_maxNodePairsOfGroup + 1,
-             groups = capacity < qc_trianglePairGroups ? capacity : qc_trianglePairGroups;
+             last = CountOf(layers, list_nodePairs), groups = last != 0 ? last + last / 4 : capacity / 8;
+    groups = groups < qc_trianglePairGroups ? groups : qc_trianglePairGroups;
     return groups > least ? groups : least;
 }
 
