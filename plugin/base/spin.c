@@ -12,7 +12,7 @@ enum
     qc_spinsPerYield = 8
 };
 
-bool qcSpin_Until(qcSpinTest* isOver, const void* context, double maxMs)
+static bool Spin(qcSpinTest* isOver, const void* context, double maxMs, bool yields)
 {
     double start = qcClock_Now();
     do
@@ -21,23 +21,19 @@ bool qcSpin_Until(qcSpinTest* isOver, const void* context, double maxMs)
             if (isOver(context))
                 return true;
             qcSpin_Pause();
+            if (yields && i % qc_spinsPerYield == qc_spinsPerYield - 1)
+                sched_yield();
         }
     while (qcClock_Now() - start < maxMs);
     return false;
 }
 
+bool qcSpin_Until(qcSpinTest* isOver, const void* context, double maxMs)
+{
+    return Spin(isOver, context, maxMs, false);
+}
+
 bool qcSpin_AndYieldUntil(qcSpinTest* isOver, const void* context, double maxMs)
 {
-    double start = qcClock_Now();
-    do
-        for (int i = 0; i < qc_spinsPerClockRead; i++)
-        {
-            if (isOver(context))
-                return true;
-            qcSpin_Pause();
-            if (i % qc_spinsPerYield == qc_spinsPerYield - 1)
-                sched_yield();
-        }
-    while (qcClock_Now() - start < maxMs);
-    return false;
+    return Spin(isOver, context, maxMs, true);
 }
