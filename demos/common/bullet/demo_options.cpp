@@ -23,8 +23,8 @@ void Parse(std::vector<qcOption> rows, const char* help, int argumentCount, char
         {1, "frame-every", "N", "Steps from frame to frame; %s by default",
          qcOption_Number(&options->frameEvery, 1, 1000000)},
         {1, "method", "METHOD",
-         "What finds the collisions: layers (image space, on the device), sweep (object space, on the CPU) or auto "
-         "(the planner chooses between the two). The simulation is the same; %s by default",
+         "What finds the collisions: layers (on the GL device), sweep (on the CPU) or auto (the planner chooses "
+         "between the two). The simulation is the same; %s by default",
          qcOption_Method(&options->method, s_methods)},
         {1, "device", "DEVICE",
          "What draws: auto (the default: a GPU where there is one, otherwise OSMesa), egl, osmesa, surfaceless, or "
