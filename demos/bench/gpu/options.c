@@ -28,8 +28,7 @@ static void Complete(const struct argp_state* state, void* context)
 static const char s_help[] =
     "The method layers on a GL device: which device and driver it is; whether layers and auto find the same pairs as "
     "sweep; the time of a step (new positions in, pairs out) beside sweep on 1 and on all threads; and where a step of "
-    "layers "
-    "spends its time, by the device's clock (GL_TIMESTAMP) for each kernel, and by the clock of the threads.\v"
+    "layers spends its time, by the device's clock (GL_TIMESTAMP) for each kernel, and by the clock of the threads.\v"
     "Software GL is no GPU: it is named loudly. There the processor reads the image itself; QC_LAYERS_REFINE=device in "
     "the environment runs all kernels on it.\n\n"
     "Exit status: as for qc-bench; 1 also where layers finds other pairs than sweep, 4 also where the device fails "

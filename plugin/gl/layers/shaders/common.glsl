@@ -60,6 +60,15 @@ const uint entryCounter = 0u, nodePairCounter = 16u, survivorCounter = 32u, tria
 // Workgroups of the last kernel that are done: a word that the processor doesn't read.
 const uint doneCounter = 113u;
 
+// Adds items to a list's count, and notices a count that could wrap around. Returns the previous count.
+uint append(uint counter, uint count)
+{
+    uint previous = atomicAdd(counters[counter], count);
+    if (previous + count >= 0x80000000u)
+        counters[overflowCounter] = 1u;
+    return previous;
+}
+
 const uint tileWords = 8u; // lower ends, then highest level - upper ends, so that both grow by atomicMin
 const uint highestLevel = 0x7fffu;
 

@@ -30,7 +30,7 @@ void main()
     {
         uvec3 first = lower.xyz >> cellShift, last = upper.xyz >> cellShift, size = last - first + 1u;
         uint count = size.x * size.y * size.z;
-        uint index = atomicAdd(counters[entryCounter], count), end = index + count;
+        uint index = append(entryCounter, count), end = index + count;
         for (uvec3 at = first; index != end && index < entryCapacity; index++)
         {
             uint cell = cellAt(at), next = atomicExchange(counters[COUNTER_WORDS + cell], index);
@@ -42,8 +42,6 @@ void main()
         // Some implementations stop the loops of an invocation after 65 535 iterations in all.
         if (index < min(end, entryCapacity))
             counters[stoppedCounter] = 1u;
-        if (end >= 0x80000000u)
-            counters[overflowCounter] = 1u;
     }
     else
         atomicAdd(counters[skippedCounter], 1u);

@@ -69,11 +69,7 @@ void writeFound(uint k)
     barrier();
     uint count = foundCount;
     if (k == 0u && count != 0u)
-    {
-        firstFound = atomicAdd(counters[nodePairCounter], count);
-        if (firstFound >= 0x80000000u)
-            counters[overflowCounter] = 1u; // before the counter wraps around
-    }
+        firstFound = append(nodePairCounter, count);
     barrier();
     for (uint i = k; i < count; i += LOCAL_SIZE)
         outNodePairs[min(firstFound + i, nodePairCapacity)] = uvec4(found[i], tableOf(found[i]), 0u);

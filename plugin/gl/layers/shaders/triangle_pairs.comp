@@ -219,11 +219,7 @@ uint testLast(uint k)
     uint place = isKept ? atomicAdd(keptCount, 1u) : 0u;
     barrier();
     if (k == 0u && keptCount != 0u)
-    {
-        firstKept = atomicAdd(counters[survivorCounter], keptCount);
-        if (firstKept >= 0x80000000u)
-            counters[overflowCounter] = 1u; // before the counter wraps around
-    }
+        firstKept = append(survivorCounter, keptCount);
     barrier();
     if (isKept)
         outResults[resultsAt + min(firstKept + place, survivorCapacity)] =
