@@ -6,6 +6,7 @@
 #include "base/radix_sort.h"
 #include "base/status.h"
 
+#include <stdbool.h>
 #include <string.h>
 
 enum
@@ -81,17 +82,10 @@ static void FindBegins(const ParallelSort* sort)
         }
 }
 
-static uint64_t FindDifference(const uint64_t* keys, size_t count)
-{
-    uint64_t differ = 0;
-    for (size_t i = 1; i < count; i++)
-        differ |= keys[i] ^ keys[0];
-    return differ;
-}
-
 qcStatus qcParallelSort_Keys(uint32_t threads, uint64_t* keys, size_t count, qcArray* scratch)
 {
-    uint64_t differ = threads > 1 && count >= (size_t)qc_minBlocks * qc_blockKeys ? FindDifference(keys, count) : 0;
+    bool isLong = threads > 1 && count >= (size_t)qc_minBlocks * qc_blockKeys;
+    uint64_t differ = isLong ? qcSort_FindDifference(keys, count) : 0;
     if (differ == 0)
         return qcSort_Keys(keys, count, scratch);
     int top = 64 - __builtin_clzll(differ);

@@ -119,6 +119,15 @@ static int ChooseDigitBits(size_t count, uint64_t differ)
     return bits > (passes - 1) * qc_maxDigitBits ? qc_digitBits : qc_maxDigitBits;
 }
 
+/// The bits in which keys differ.
+static inline uint64_t FindDifference(const uint64_t* items, size_t count, size_t words)
+{
+    uint64_t differ = 0;
+    for (size_t i = 1; i < count; i++)
+        differ |= items[words * i] ^ items[0];
+    return differ;
+}
+
 /// `scratch` has room for the items.
 static inline void SortWith(uint64_t* items, uint64_t* scratch, size_t count, size_t words)
 {
@@ -127,9 +136,7 @@ static inline void SortWith(uint64_t* items, uint64_t* scratch, size_t count, si
         InsertItems(items, count, words);
         return;
     }
-    uint64_t differ = 0;
-    for (size_t i = 1; i < count; i++)
-        differ |= items[words * i] ^ items[0];
+    uint64_t differ = FindDifference(items, count, words);
     // With more items the average is larger.
     if (count <= (size_t)qc_maxTogether * qc_digits && differ != 0 &&
         SortByLeadingDigit(items, scratch, count, words, differ))
@@ -171,4 +178,9 @@ qcStatus qcSort_Keys(uint64_t* keys, size_t count, qcArray* scratch)
 void qcSort_KeysWith(uint64_t* keys, uint64_t* scratch, size_t count)
 {
     SortWith(keys, scratch, count, 1);
+}
+
+uint64_t qcSort_FindDifference(const uint64_t* keys, size_t count)
+{
+    return FindDifference(keys, count, 1);
 }

@@ -17,6 +17,8 @@ qcStatus qcSort_Items(qcSortItem* items, size_t count, qcArray* scratch);
 qcStatus qcSort_Keys(uint64_t* keys, size_t count, qcArray* scratch);
 /// Like qcSort_Keys; `scratch` has room for as many keys.
 void qcSort_KeysWith(uint64_t* keys, uint64_t* scratch, size_t count);
+/// The bits in which keys differ.
+uint64_t qcSort_FindDifference(const uint64_t* keys, size_t count);
 
 /// A key whose order is the order of the floats (NaN excluded).
 static inline uint32_t qcSort_FloatKey(float value)
