@@ -149,6 +149,7 @@ static qcStatus FailLost(const char* purpose)
 static qcStatus RunJob(qcDevice* device, bool* lost)
 {
     const struct qcGlFunctions* gl = &device->gl;
+    gl->programs->isAnswered = false;
     qcStatus status = device->job(gl, device->jobContext);
     qcGlFunctions_ResetState(gl);
 
@@ -156,8 +157,9 @@ static qcStatus RunJob(qcDevice* device, bool* lost)
     GLenum next = first;
     for (int i = 0; next != GL_NO_ERROR && i < qc_maxGlErrors; ++i)
         next = gl->GetError();
-    *lost =
-        first == GL_CONTEXT_LOST || (gl->GetGraphicsResetStatus != NULL && gl->GetGraphicsResetStatus() != GL_NO_ERROR);
+    bool isAnswered = gl->programs->isAnswered && status == qc_statusOk && first == GL_NO_ERROR;
+    *lost = first == GL_CONTEXT_LOST ||
+            (!isAnswered && gl->GetGraphicsResetStatus != NULL && gl->GetGraphicsResetStatus() != GL_NO_ERROR);
     // Before the job's status: results of a lost context are meaningless.
     if (*lost)
         return FailLost(device->purpose);

@@ -115,6 +115,7 @@ struct qcGlPrograms
     /// The object whose bindings of buffers and textures are current, see qcGl_KeepBindings; null: none.
     const void* bound;
     bool keepBindings; ///< the present job calls no function whose effect has to be reset
+    bool isAnswered;   ///< the present job has read what its last kernel wrote: its context was not lost before
     uint32_t calls;    ///< calls counted by qcGl_Counted
     /// Of binaries that later starts take: see program_cache.h. Null or empty: none.
     const char* cacheFolder;
@@ -155,16 +156,16 @@ struct qcGlFunctions
     struct qcGlPrograms* programs;
 };
 
-/// For a job that leaves all bindings and switches at their initial values, except for indexed bindings of buffers,
-/// buffer textures, and the targets of computing and copying: these stay for the next job of `owner`, and no state is
-/// reset after the job.
+/// For a job that leaves all bindings and switches at their initial values, except for the program, indexed bindings of
+/// buffers, buffer textures, and the targets of computing and copying: these stay for the next job of `owner`, and no
+/// state is reset after the job.
 static inline void qcGl_KeepBindings(const struct qcGlFunctions* gl, const void* owner)
 {
     gl->programs->bound = owner;
     gl->programs->keepBindings = true;
 }
 
-/// Counts the call that follows: qcGl_Counted(gl)->UseProgram(0).
+/// Counts the call that follows: qcGl_Counted(gl)->UseProgram(program).
 static inline const struct qcGlFunctions* qcGl_Counted(const struct qcGlFunctions* gl)
 {
     gl->programs->calls++;

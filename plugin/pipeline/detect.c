@@ -13,7 +13,9 @@
 enum
 {
     // A step with so many triangles takes about 20 times as long as waking a thread.
-    qc_minThreadedTriangles = 16384
+    qc_minThreadedTriangles = 16384,
+    // Where a GPU does the rest, the loops before it copy positions: of so many triangles in 0.1 ms.
+    qc_minThreadedOnGpu = 131072
 };
 
 /// Returns the milliseconds since *last, and sets *last to now.
@@ -55,6 +57,15 @@ static void ReportDevice(const qcStep* step, qcProfile* profile)
     profile->softwareDevice = info.software;
 }
 
+/// Threads for the loops up to the sweep, or to a GPU's work.
+static uint32_t ThreadsOfLoops(const qcStep* step, uint32_t triangles)
+{
+    qcDeviceInfo info = {.software = true};
+    if (step->plan.method == qc_methodLayers && step->device != NULL)
+        qcDevice_GetInfo(step->device, &info);
+    return triangles < (info.software ? qc_minThreadedTriangles : qc_minThreadedOnGpu) ? 1 : step->threads;
+}
+
 /// Numbers the step's bodies and triangles; finds the owners of features for contacts; wakes threads.
 static qcStatus BeginStep(const qcStep* step, qcBodies* bodies, qcStepTriangles* triangles, qcPcs* pcs,
                           qcProfile* profile)
@@ -66,7 +77,7 @@ static qcStatus BeginStep(const qcStep* step, qcBodies* bodies, qcStepTriangles*
     triangles->motion = step->def->motion;
     triangles->maxPairs = step->def->maxPairs != 0 ? step->def->maxPairs : UINT64_MAX;
     QC_TRY(qcStepTriangles_Number(triangles, bodies));
-    bodies->threads = triangles->count < qc_minThreadedTriangles ? 1 : step->threads;
+    bodies->threads = ThreadsOfLoops(step, triangles->count);
     qcParallel_Wake(bodies->threads);
     QC_TRY(qcPcs_Reset(triangles->bodyCount, triangles->count, pcs));
     profile->bodies = triangles->bodyCount;
@@ -198,8 +209,7 @@ static qcStatus RunStages(const qcStep* step, qcBodies* bodies, double start, qc
     ReportDevice(step, &profile);
 
     const qcCandidates* candidates = &d->triangleStage.candidates;
-    QC_TRY(
-        qcPcsReport_Fill(triangles, &d->pcs, candidates, step->plan.useImage, step->def, step->threads, &d->pcsReport));
+    QC_TRY(qcPcsReport_Fill(triangles, &d->pcs, candidates, step->plan.useImage, step->def, &d->pcsReport));
     QC_TRY(qcVertexBuffers_Gather(step, triangles, candidates, &d->vertexBuffers, &profile));
     if (qcVertexBuffers_SufficeFor(step))
         QC_TRY(qcVertexBuffers_KeepFloats(step, triangles, routing, profile.followedTriangles != 0, bodies));

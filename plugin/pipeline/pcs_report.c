@@ -1,95 +1,40 @@
 // A bitmap of global triangle indices, in two levels so that empty parts cost nothing, then lists.
 #include "pipeline/pcs_report.h"
 
-#include "base/parallel_for.h"
 #include "base/status.h"
 
-enum
+/// The bitmaps. By value: the compiler then knows that no mark changes a pointer.
+typedef struct Marks
 {
-    // A block takes some 20 microseconds.
-    qc_pairsOfBlock = 4096,
-    qc_minBlocks = 4
-};
+    uint64_t *bits, *groups;
+} Marks;
 
-static void Mark(qcPcsReport* report, uint32_t triangle)
+static void Mark(Marks marks, uint32_t triangle)
 {
-    uint64_t* word = &QC_AT(uint64_t, report->bits, triangle / 64);
-    uint64_t bit = UINT64_C(1) << triangle % 64;
-    report->marked += (*word & bit) == 0;
-    *word |= bit;
-    QC_AT(uint64_t, report->groups, triangle / 4096) |= UINT64_C(1) << triangle / 64 % 64;
+    uint64_t* word = &marks.bits[triangle / 64];
+    if (*word == 0)
+        marks.groups[triangle / 4096] |= UINT64_C(1) << triangle / 64 % 64;
+    *word |= UINT64_C(1) << triangle % 64;
 }
 
-static void MarkKey(qcPcsReport* report, uint64_t key)
+static void MarkKey(Marks marks, uint64_t key)
 {
-    Mark(report, (uint32_t)(key >> 32));
-    Mark(report, (uint32_t)key);
-}
-
-/// Marks a triangle while other threads mark others; report->marked is not changed.
-static void MarkShared(const qcPcsReport* report, uint32_t triangle)
-{
-    uint64_t *word = &QC_AT(uint64_t, report->bits, triangle / 64), bit = UINT64_C(1) << triangle % 64;
-    if ((__atomic_load_n(word, __ATOMIC_RELAXED) & bit) == 0 && __atomic_fetch_or(word, bit, __ATOMIC_RELAXED) == 0)
-        __atomic_fetch_or(&QC_AT(uint64_t, report->groups, triangle / 4096), UINT64_C(1) << triangle / 64 % 64,
-                          __ATOMIC_RELAXED);
-}
-
-typedef struct Marking
-{
-    const qcCandidates* candidates;
-    qcPcsReport* report;
-} Marking;
-
-static void MarkBlock(void* context, size_t block, uint32_t worker)
-{
-    (void)worker;
-    const Marking* marking = context;
-    const qcArray* classified = &marking->candidates->classified;
-    size_t end = (block + 1) * qc_pairsOfBlock;
-    end = end < classified->count ? end : classified->count;
-    for (size_t i = block * qc_pairsOfBlock; i < end; i++)
-    {
-        uint64_t key = qcRelatedPair_Key(QC_AT(uint64_t, *classified, i));
-        MarkShared(marking->report, (uint32_t)(key >> 32));
-        MarkShared(marking->report, (uint32_t)key);
-    }
-}
-
-static size_t CountMarked(const qcPcsReport* report)
-{
-    size_t count = 0;
-    for (size_t w = 0; w < report->bits.count; w++)
-        count += (size_t)__builtin_popcountll(QC_AT(uint64_t, report->bits, w));
-    return count;
-}
-
-/// Classified pairs: most of a tangle.
-static void MarkClassified(const qcCandidates* candidates, uint32_t threads, qcPcsReport* report)
-{
-    size_t count = candidates->classified.count, blocks = (count + qc_pairsOfBlock - 1) / qc_pairsOfBlock;
-    if (threads > 1 && blocks >= qc_minBlocks)
-    {
-        Marking marking = {candidates, report};
-        qcParallel_For(threads, blocks, qc_minBlocks, MarkBlock, &marking);
-        report->marked = CountMarked(report);
-        return;
-    }
-    const uint64_t* classified = candidates->classified.data;
-    for (size_t i = 0; i < count; i++)
-        MarkKey(report, qcRelatedPair_Key(classified[i]));
+    Mark(marks, (uint32_t)(key >> 32));
+    Mark(marks, (uint32_t)key);
 }
 
 static void MarkAll(const qcStepTriangles* triangles, const qcPcs* pcs, const qcCandidates* candidates, bool ofImage,
-                    uint32_t threads, qcPcsReport* report)
+                    Marks marks)
 {
     for (uint32_t triangle = 0; ofImage && triangle < triangles->count; triangle++)
         if (QC_AT(uint8_t, pcs->triangleSets, triangle) != 0)
-            Mark(report, triangle);
-    const uint64_t* keys = candidates->keys.data;
-    for (size_t i = 0; !ofImage && i < candidates->keys.count; i++)
-        MarkKey(report, keys[i]);
-    MarkClassified(candidates, threads, report);
+            Mark(marks, triangle);
+    const uint64_t *keys = candidates->keys.data, *classified = candidates->classified.data;
+    size_t keyCount = ofImage ? 0 : candidates->keys.count, classifiedCount = candidates->classified.count;
+    for (size_t i = 0; i < keyCount; i++)
+        MarkKey(marks, keys[i]);
+    for (size_t i = 0; i < classifiedCount; i++)
+        MarkKey(marks, qcRelatedPair_Key(classified[i]));
 }
 
 /// Takes the lowest bit of a word that is not 0.
@@ -100,35 +45,47 @@ static uint32_t TakeBit(uint64_t* word)
     return bit;
 }
 
-/// Lists the marked triangles, and clears the marks.
-static void TakeMarked(const qcStepTriangles* triangles, qcPcsReport* report)
+static size_t CountMarked(Marks marks, size_t groupCount)
 {
-    size_t at = 0;
-    uint32_t body = 0;
-    for (size_t g = 0; g < report->groups.count; g++)
+    size_t count = 0;
+    for (size_t g = 0; g < groupCount; g++)
+        for (uint64_t words = marks.groups[g]; words != 0;)
+            count += (size_t)__builtin_popcountll(marks.bits[64 * g + TakeBit(&words)]);
+    return count;
+}
+
+/// Lists the marked triangles, and clears the marks.
+static void TakeMarked(const qcStepTriangles* triangles, Marks marks, size_t groupCount, qcTriangleRef* list)
+{
+    uint32_t body = 0, first = 0, end = 0, slot = 0;
+    for (size_t g = 0; g < groupCount; g++)
     {
-        for (uint64_t words = QC_AT(uint64_t, report->groups, g); words != 0;)
+        for (uint64_t words = marks.groups[g]; words != 0;)
         {
             size_t w = 64 * g + TakeBit(&words);
-            for (uint64_t left = QC_AT(uint64_t, report->bits, w); left != 0;)
+            for (uint64_t left = marks.bits[w]; left != 0;)
             {
                 uint32_t triangle = (uint32_t)(64 * w) + TakeBit(&left);
-                while (triangle >= qcStepTriangles_First(triangles, body + 1))
-                    body++;
-                QC_AT(qcTriangleRef, report->triangles, at++) = (qcTriangleRef){
-                    qcStepTriangles_Slot(triangles, body), triangle - qcStepTriangles_First(triangles, body)};
+                for (; triangle >= end; body++)
+                {
+                    first = qcStepTriangles_First(triangles, body);
+                    end = qcStepTriangles_First(triangles, body + 1);
+                    slot = qcStepTriangles_Slot(triangles, body);
+                }
+                *list++ = (qcTriangleRef){slot, triangle - first};
             }
-            QC_AT(uint64_t, report->bits, w) = 0;
+            marks.bits[w] = 0;
         }
-        QC_AT(uint64_t, report->groups, g) = 0;
+        marks.groups[g] = 0;
     }
 }
 
-static qcStatus ListTriangles(const qcStepTriangles* triangles, qcPcsReport* report)
+static qcStatus ListTriangles(const qcStepTriangles* triangles, Marks marks, qcPcsReport* report)
 {
-    qcStatus status = qcArray_Resize(&report->triangles, report->marked, sizeof(qcTriangleRef), "the PCS");
+    size_t groups = report->groups.count, count = CountMarked(marks, groups);
+    qcStatus status = qcArray_Resize(&report->triangles, count, sizeof(qcTriangleRef), "the PCS");
     if (status == qc_statusOk)
-        TakeMarked(triangles, report);
+        TakeMarked(triangles, marks, groups, report->triangles.data);
     else
         report->bits.count = report->groups.count = 0; // the next step clears them
     return status;
@@ -203,14 +160,15 @@ static qcStatus ListCandidates(const qcStepTriangles* triangles, const qcCandida
 }
 
 qcStatus qcPcsReport_Fill(const qcStepTriangles* triangles, const qcPcs* pcs, const qcCandidates* candidates,
-                          bool ofImage, const qcDetectDef* def, uint32_t threads, qcPcsReport* report)
+                          bool ofImage, const qcDetectDef* def, qcPcsReport* report)
 {
     size_t words = ((size_t)triangles->count + 63) / 64;
-    report->sets.count = report->pairs.count = report->marked = 0;
+    report->sets.count = report->pairs.count = 0;
     QC_TRY(qcArray_GrowZeroed(&report->bits, words, sizeof(uint64_t), "the PCS"));
     QC_TRY(qcArray_GrowZeroed(&report->groups, (words + 63) / 64, sizeof(uint64_t), "the PCS"));
-    MarkAll(triangles, pcs, candidates, ofImage, threads, report);
-    QC_TRY(ListTriangles(triangles, report));
+    Marks marks = {report->bits.data, report->groups.data};
+    MarkAll(triangles, pcs, candidates, ofImage, marks);
+    QC_TRY(ListTriangles(triangles, marks, report));
     if (def->sets && ofImage)
         QC_TRY(ListSets(pcs, report));
     return def->candidates ? ListCandidates(triangles, candidates, report) : qc_statusOk;

@@ -12,14 +12,13 @@ typedef struct qcPcsReport
     /// Scratch: a bit a triangle, since most triangles of most scenes are not in the PCS, and a bit for each 64 of
     /// those bits. All are 0 between steps.
     qcArray bits, groups;
-    size_t marked; ///< bits set
     qcArray items, scratch;
 } qcPcsReport;
 
 /// With an image: the triangles left by culling, and their sets if `def` requests them. Otherwise: the triangles of
 /// candidate pairs. In both cases the candidate pairs if `def` requests them.
 qcStatus qcPcsReport_Fill(const qcStepTriangles* triangles, const qcPcs* pcs, const qcCandidates* candidates,
-                          bool ofImage, const qcDetectDef* def, uint32_t threads, qcPcsReport* report);
+                          bool ofImage, const qcDetectDef* def, qcPcsReport* report);
 void qcPcsReport_Free(qcPcsReport* report);
 
 #endif

@@ -149,9 +149,9 @@ static void FillProfile(const Step* step, const qcLayersStep* device, const qcLa
     profile->deviceWaits = answer->waits;
 }
 
-static const char* const s_partNames[qc_layersPartCount] = {"prepare", "hand-over", "upload",     "vertices",
-                                                            "boxes",   "nodes",     "node pairs", "triangle pairs",
-                                                            "wait",    "timers",    "hand-back",  "refine"};
+static const char* const s_partNames[qc_layersPartCount] = {
+    "prepare",        "hand-over",  "upload", "vertices", "boxes",     "nodes", "node pairs",
+    "triangle pairs", "pair tests", "wait",   "timers",   "hand-back", "refine"};
 
 /// `handed`, `answered`: when the step went to the device's thread and came back.
 static void FillTimes(const Step* step, const qcLayersAnswer* answer, double handed, double answered,

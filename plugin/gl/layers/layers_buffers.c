@@ -29,6 +29,7 @@ static const BufferShape s_shapes[qc_layersBufferCount] = {
     [qc_workNodeBoxes] = {NULL, 16, 0, {0, READ}},
     [qc_workEntries] = {NULL, 16, 0, {0, READ}},
     [qc_workNodePairs] = {NULL, 16, 0, {0, 0}},
+    [qc_workTrianglePairs] = {NULL, 8, 0, {0, 0}},
     [qc_workResults] = {NULL, 8, 0, {READ, 0}},
     [qc_workLists] = {NULL, 4, 0, {0, READ_AND_WRITE}},
     [qc_workStep] = {NULL, 4, 0, {0, 0}},
@@ -40,12 +41,12 @@ enum
     qc_stream = -1
 };
 
-/// Buffers of the storage blocks, for pairs and for the image. The source of floats is the stream, too.
-static const int s_bindings[2][qc_storageBindings] = {{qc_workLists, qc_layersVertices, qc_workBoxes, qc_stream,
-                                                       qc_workStep, qc_workNodePairs, qc_workResults, qc_stream},
-                                                      {qc_workLists, qc_layersVertices, qc_workBoxes, qc_stream,
-                                                       qc_workEntries, qc_workClusterBoxes, qc_workNodeBoxes,
-                                                       qc_stream}};
+/// Buffers of the storage blocks, for pairs and for the image.
+static const int s_bindings[2][qc_storageBindings] = {
+    {qc_workLists, qc_layersVertices, qc_workBoxes, qc_workTrianglePairs, qc_workStep, qc_workNodePairs, qc_workResults,
+     qc_stream},
+    {qc_workLists, qc_layersVertices, qc_workBoxes, qc_workTrianglePairs, qc_workEntries, qc_workClusterBoxes,
+     qc_workNodeBoxes, qc_stream}};
 
 const char* qcLayersBuffers_SamplerName(int buffer)
 {

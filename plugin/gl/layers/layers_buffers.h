@@ -12,11 +12,12 @@ typedef enum qcLayersWork
     /// qc_boxesOfNode a node: triangles, clusters, the node; then one an active node. For the image: qcBox8, a cluster
     /// each
     qc_workBoxes = qc_layersInputCount,
-    qc_workClusterBoxes, ///< for the image only
-    qc_workNodeBoxes,    ///< for the image only: of all nodes, then a qcBox8 a node, boxes of its clusters
-    qc_workEntries,      ///< for the image only: qcLayersEntry
-    qc_workNodePairs,
-    qc_workResults, ///< a copy of the counters, then two triangles each
+    qc_workClusterBoxes,  ///< for the image only
+    qc_workNodeBoxes,     ///< for the image only: of all nodes, then a qcBox8 a node, boxes of its clusters
+    qc_workEntries,       ///< for the image only: qcLayersEntry
+    qc_workNodePairs,     ///< for pairs, and all that follow: two nodes, their pair masks
+    qc_workTrianglePairs, ///< two slots each
+    qc_workResults,       ///< a copy of the counters, then two triangles each
                     /// qc_counterWords of counters, then for the image by cell its first entry, for pairs by tile its
                     /// box
     qc_workLists,
@@ -29,11 +30,11 @@ enum
     qc_boxesOfNode = 73,
     qc_texelsOfImageNode = 7, ///< of qc_workNodeBoxes
     qc_counterWords = 128,
-    qc_tileNodes = 64, ///< active nodes of a tile
+    qc_tileNodes = 16, ///< active nodes of a tile
     qc_tileWords = 8,
     qc_parameterBytes = 256,
     // Storage blocks of the kernels.
-    qc_sourceBinding = 3, ///< floats: the stream, or a qcLayersSource
+    qc_sourceBinding = 3, ///< qc_workTrianglePairs; while vertices are made, a qcLayersSource
     qc_copyBinding = 4,   ///< qc_workStep
     qc_streamBinding = 7
 };

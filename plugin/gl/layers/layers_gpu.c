@@ -21,14 +21,15 @@ enum
     // No kernel adds 2^31 items at once, and each notices a counter that has reached 2^31: none wraps around unseen.
     qc_maxItems = 1 << 25,
     qc_maxReruns = 64,
-    // Calls for each job in device.c, beside those that are counted here: errors, and the context's state.
-    qc_callsOfJob = 2,
+    // Calls for each job in device.c, beside those that are counted here: for errors.
+    qc_callsOfJob = 1,
     // Words that an invocation of the first kernel resets or copies.
     qc_resetShare = 8,
-    // Workgroups of the last kernel: a GPU of 132 multiprocessors runs as many at a time. More where each would have
-    // so many pairs of nodes that an implementation could stop its loops.
-    qc_trianglePairGroups = 4096,
-    qc_maxNodePairsOfGroup = 64
+    // Workgroups that compare tiles, where there are few tiles: a GPU of 132 multiprocessors runs half as many at a
+    // time.
+    qc_comparingGroups = 2048,
+    // Rounds of a workgroup that goes through a list, so that no implementation stops its loops.
+    qc_maxRounds = 64
 };
 
 /// A device that needs more is lost.
@@ -39,16 +40,17 @@ typedef enum List
 {
     list_entries,   ///< for the image
     list_nodePairs, ///< for pairs, and all that follow
+    list_trianglePairs,
     list_survivors,
     list_count
 } List;
 
-static const int s_lists[list_count] = {qc_workEntries, qc_workNodePairs, qc_workResults};
+static const int s_lists[list_count] = {qc_workEntries, qc_workNodePairs, qc_workTrianglePairs, qc_workResults};
 /// Room in a list's buffer that is none of the list's: for the item that doesn't fit, and for the counters.
-static const uint32_t s_reserved[list_count] = {1, 1, 1 + qc_counterWords / 2};
+static const uint32_t s_reserved[list_count] = {1, 1, 1, 1 + qc_counterWords / 2};
 
-static const int s_kernelParts[qc_kernelCount] = {qc_partVertices, qc_partBoxes,     qc_partNodes,
-                                                  qc_partNodes,    qc_partNodePairs, qc_partTrianglePairs};
+static const int s_kernelParts[qc_kernelCount] = {qc_partVertices,  qc_partBoxes,         qc_partNodes,    qc_partNodes,
+                                                  qc_partNodePairs, qc_partTrianglePairs, qc_partPairTests};
 
 /// A counter as the kernels define it (common.glsl), on a cache line of its own.
 typedef struct Counter
@@ -58,7 +60,7 @@ typedef struct Counter
 
 typedef struct Counters
 {
-    Counter lists[list_count], trianglePairs, skippedNodes, stopped, overflow, finished;
+    Counter lists[list_count], skippedNodes, stopped, overflow, finished;
 } Counters;
 _Static_assert(sizeof(Counters) == qc_counterWords * sizeof(uint32_t), "the counters of the kernels");
 
@@ -128,11 +130,13 @@ static uint32_t TileCount(const qcLayersStep* step)
     return (step->activeCount + qc_tileNodes - 1) / qc_tileNodes;
 }
 
-/// Tiles that a workgroup compares with one: few, so that many workgroups run at a time.
-static uint32_t TilesOfGroup(uint32_t tiles)
+/// Workgroups that compare one tile with others: many, so that few wait for one, but no more than pay.
+static uint32_t PartsOfTile(uint32_t tiles)
 {
-    uint32_t count = (tiles + qc_tileNodes - 1) / qc_tileNodes;
-    return count < qc_tileNodes ? count : qc_tileNodes;
+    uint32_t least = (tiles + qc_nodeComparers - 1) / qc_nodeComparers, most = tiles;
+    uint32_t count = tiles != 0 ? qc_comparingGroups / tiles : 0;
+    count = count < most ? count : most;
+    return count > least ? count : least;
 }
 
 /// Words of qc_workLists behind the counters.
@@ -174,13 +178,14 @@ static void UploadParameters(const struct qcGlFunctions* gl, const qcLayers* lay
                                  .runNumber = layers->runNumber,
                                  .entryCapacity = ListCapacity(layers, list_entries),
                                  .nodePairCapacity = ListCapacity(layers, list_nodePairs),
+                                 .trianglePairCapacity = ListCapacity(layers, list_trianglePairs),
                                  .survivorCapacity = ListCapacity(layers, list_survivors),
                                  .listWords = ListWords(layers, step),
                                  .nodesAt = (uint32_t)p.nodes,
                                  .chunksAt = (uint32_t)p.chunks,
                                  .floatsAt = (uint32_t)p.floats,
                                  .nodeBoxesAt = (uint32_t)(qc_boxesOfNode * step->capacity[qc_layersNodes]),
-                                 .tilesOfGroup = TilesOfGroup(TileCount(step)),
+                                 .partsOfTile = PartsOfTile(TileCount(step)),
                                  .testNeighbours = step->testNeighbours,
                                  .pointError = step->pointError,
                                  .queryDistance = step->queryDistance,
@@ -273,7 +278,8 @@ static void RunSources(const struct qcGlFunctions* gl, qcLayers* layers)
         first += step->sources[i].chunkCount;
     }
     if (step->sourceCount != 0)
-        qcGl_Counted(gl)->BindBufferBase(GL_SHADER_STORAGE_BUFFER, qc_sourceBinding, layers->stream.buffer);
+        qcGl_Counted(gl)->BindBufferBase(GL_SHADER_STORAGE_BUFFER, qc_sourceBinding,
+                                         layers->buffers.buffers[qc_workTrianglePairs]);
 }
 
 /// New vertices into the frame; empty lists; for pairs, a copy of the step's data.
@@ -296,13 +302,13 @@ static void RunVertices(const struct qcGlFunctions* gl, qcLayers* layers)
     RunSources(gl, layers);
 }
 
-/// About one for each pair of nodes of the last run; any number finds all pairs.
-static uint64_t TrianglePairGroups(const qcLayers* layers)
+/// Workgroups that go through a list, `share` items at a time: once each if there are about as many as in the last run.
+/// Any number gets to the end.
+static uint64_t GroupsOfList(const qcLayers* layers, List list, uint32_t share)
 {
-    uint64_t capacity = ListCapacity(layers, list_nodePairs), least = capacity / qc_maxNodePairsOfGroup + 1,
-             last = CountOf(layers, list_nodePairs), groups = last != 0 ? last + last / 4 : capacity / 8;
-    groups = groups < qc_trianglePairGroups ? groups : qc_trianglePairGroups;
-    return groups > least ? groups : least;
+    uint64_t capacity = ListCapacity(layers, list), last = CountOf(layers, list), least = capacity / qc_maxRounds;
+    uint64_t items = last != 0 ? last + last / 4 : capacity / 8;
+    return (items > least ? items : least) / share + 1;
 }
 
 static void RunKernels(const struct qcGlFunctions* gl, qcLayers* layers)
@@ -316,10 +322,11 @@ static void RunKernels(const struct qcGlFunctions* gl, qcLayers* layers)
         Run(gl, layers, qc_kernelImageNodes, (step->activeCount + UINT64_C(15)) / 16);
         return;
     }
-    uint64_t tiles = TileCount(step), share = TilesOfGroup((uint32_t)tiles);
+    uint32_t tiles = TileCount(step);
     Run(gl, layers, qc_kernelNodes, step->activeCount);
-    Run(gl, layers, qc_kernelNodePairs, share == 0 ? 0 : tiles * ((tiles + share - 1) / share));
-    Run(gl, layers, qc_kernelTrianglePairs, TrianglePairGroups(layers));
+    Run(gl, layers, qc_kernelNodePairs, (uint64_t)tiles * PartsOfTile(tiles));
+    Run(gl, layers, qc_kernelTrianglePairs, GroupsOfList(layers, list_nodePairs, qc_nodePairsOfGroup));
+    Run(gl, layers, qc_kernelPairTests, GroupsOfList(layers, list_trianglePairs, qc_testsOfGroup));
 }
 
 /// Submits a run: all kernels, and a fence behind them. May be repeated.
@@ -334,7 +341,6 @@ static void Submit(const struct qcGlFunctions* gl, qcLayers* layers)
     qcGlTimers_Mark(gl, &layers->timers, qc_partUpload);
     RunKernels(gl, layers);
     layers->fence = qcGl_Counted(gl)->FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
-    qcGl_Counted(gl)->UseProgram(0);
     qcGl_KeepBindings(gl, layers);
 }
 
@@ -353,7 +359,7 @@ static qcStatus ReserveAll(const struct qcGlFunctions* gl, qcLayers* layers)
     QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workLists, qc_counterWords + (size_t)ListWords(layers, step)));
     QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workStep, imageOnly ? 0 : FindPlaces(step).chunks));
     // Items per node that a folded cloth needs; a scene that needs more takes one more run.
-    static const size_t s_itemsPerNode[list_count] = {4, 12, 8};
+    static const size_t s_itemsPerNode[list_count] = {4, 12, 64, 8};
     for (int list = 0; list < list_count; list++)
         QC_TRY(qcLayersBuffers_Reserve(gl, b, s_lists[list],
                                        HasList(layers, list) ? s_itemsPerNode[list] * nodes + 128 : 0));
@@ -471,9 +477,10 @@ static qcStatus FinishStep(const struct qcGlFunctions* gl, qcLayers* layers)
         QC_TRY(Wait(gl, layers));
         QC_TRY(GrowLists(gl, layers, &again));
     }
+    gl->programs->isAnswered = true;
     QC_TRY(layers->imageOnly ? ReadImage(gl, layers) : ReadPairs(gl, layers));
     answer->entries = CountOf(layers, list_entries);
-    answer->trianglePairs = layers->counters.trianglePairs.count;
+    answer->trianglePairs = CountOf(layers, list_trianglePairs);
     answer->skippedNodes = layers->counters.skippedNodes.count;
     answer->deviceBytes = qcLayersBuffers_ByteCount(&layers->buffers) + layers->stream.size;
     answer->glCalls += gl->programs->calls;

@@ -1,8 +1,8 @@
 // The device's part of `layers`: from vertices to pairs of triangles that may be within the query distance.
-// A GPU compares the boxes of all nodes (64 triangles) in tiles, and refines nodes that overlap to clusters (8) and
-// triangles. Where the device is the processor itself, it makes the image: a grid of pixels over two axes, each cut
-// into slices of depth; each cell has a list of the nodes that cover it, and cull/layers/cpu_refine.h refines the
-// lists.
+// A GPU compares the boxes of all nodes (64 triangles) in tiles, refines nodes that overlap to clusters (8) and
+// triangles, and tests pairs of these. Where the device is the processor itself, it makes the image: a grid of pixels
+// over two axes, each cut into slices of depth; each cell has a list of the nodes that cover it, and
+// cull/layers/cpu_refine.h refines the lists.
 #ifndef QC_GL_LAYERS_LAYERS_GPU_H
 #define QC_GL_LAYERS_LAYERS_GPU_H
 
@@ -89,6 +89,7 @@ typedef enum qcLayersPart
     qc_partNodes,    ///< boxes of nodes; for the image: the cells they cover
     qc_partNodePairs,
     qc_partTrianglePairs,
+    qc_partPairTests,
     qc_partWait,     ///< for the device; maps its results
     qc_partTimers,   ///< reads the times of the parts
     qc_partHandBack, ///< reads errors, returns to the calling thread

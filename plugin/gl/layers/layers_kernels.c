@@ -13,15 +13,18 @@ typedef struct KernelShape
     const char* source;
     int localSize; ///< invocations of a workgroup; small where items are few, so that all threads get some
     bool forImage, forPairs;
+    bool isLast; ///< the processor reads what it writes
 } KernelShape;
 
 static const KernelShape s_shapes[qc_kernelCount] = {
-    [qc_kernelVertices] = {"layers, vertices", s_layersVertices, qc_layersChunkSize, true, true},
-    [qc_kernelImageBoxes] = {"layers, groups", s_layersImageBoxes, 64, true, false},
-    [qc_kernelImageNodes] = {"layers, nodes and groups", s_layersImageNodes, 16, true, false},
-    [qc_kernelNodes] = {"layers, nodes", s_layersNodes, 64, false, true},
-    [qc_kernelNodePairs] = {"layers, node pairs", s_layersNodePairs, 256, false, true},
-    [qc_kernelTrianglePairs] = {"layers, triangle pairs", s_layersTrianglePairs, 64, false, true},
+    [qc_kernelVertices] = {"layers, vertices", s_layersVertices, qc_layersChunkSize, true, true, false},
+    [qc_kernelImageBoxes] = {"layers, groups", s_layersImageBoxes, 64, true, false, false},
+    [qc_kernelImageNodes] = {"layers, nodes and groups", s_layersImageNodes, 16, true, false, true},
+    [qc_kernelNodes] = {"layers, nodes", s_layersNodes, 64, false, true, false},
+    [qc_kernelNodePairs] = {"layers, node pairs", s_layersNodePairs, qc_nodeComparers, false, true, false},
+    [qc_kernelTrianglePairs] = {"layers, triangle pairs", s_layersTrianglePairs, 8 * qc_nodePairsOfGroup, false, true,
+                                false},
+    [qc_kernelPairTests] = {"layers, pair tests", s_layersPairTests, qc_testsOfGroup, false, true, true},
 };
 // As the shaders' uniform block Step has them (std140).
 _Static_assert(offsetof(qcLayersParameters, origin) == 128 && sizeof(qcLayersParameters) == 160, "the layout std140");
@@ -32,13 +35,13 @@ static void WriteConstants(char* text, size_t size, int kernel, bool imageOnly)
 {
     // For pairs the first kernel copies the step's data for the others.
     bool copies = !imageOnly && kernel == qc_kernelVertices, readsCopy = !imageOnly && !copies;
-    int length =
-        snprintf(text, size,
-                 "#version 430 core\n#define BODY_WORDS %zuu\n#define LOCAL_SIZE %du\n"
-                 "#define COUNTER_WORDS %du\n#define BOXES_OF_NODE %d\n#define STEP_BINDING %d\n"
-                 "#define EMPTY_LIST %s\n",
-                 sizeof(qcLayersBody) / sizeof(uint32_t), s_shapes[kernel].localSize, qc_counterWords, qc_boxesOfNode,
-                 readsCopy ? qc_copyBinding : qc_streamBinding, imageOnly ? "none" : "highestLevel");
+    int length = snprintf(text, size,
+                          "#version 430 core\n#define BODY_WORDS %zuu\n#define LOCAL_SIZE %du\n"
+                          "#define COUNTER_WORDS %du\n#define BOXES_OF_NODE %d\n#define STEP_BINDING %d\n"
+                          "#define SOURCE_BINDING %d\n#define EMPTY_LIST %s\n#define TILE_NODES %du\n",
+                          sizeof(qcLayersBody) / sizeof(uint32_t), s_shapes[kernel].localSize, qc_counterWords,
+                          qc_boxesOfNode, readsCopy ? qc_copyBinding : qc_streamBinding, qc_sourceBinding,
+                          imageOnly ? "none" : "highestLevel", qc_tileNodes);
     if (copies)
         snprintf(text + length, size - (size_t)length, "#define COPY_BINDING %d\n", qc_copyBinding);
 }
@@ -78,10 +81,11 @@ static void Dispatch(const struct qcGlFunctions* gl, uint64_t groups)
                                       (GLuint)((groups + qc_groupsInRow - 1) / qc_groupsInRow), 1);
 }
 
-static void Finish(const struct qcGlFunctions* gl)
+static void Finish(const struct qcGlFunctions* gl, bool isLast)
 {
-    qcGl_Counted(gl)->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
-                                    GL_BUFFER_UPDATE_BARRIER_BIT | GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
+    GLbitfield forKernels = GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT,
+               forProcessor = GL_BUFFER_UPDATE_BARRIER_BIT | GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT;
+    qcGl_Counted(gl)->MemoryBarrier(isLast ? forKernels | forProcessor : forKernels);
 }
 
 void qcLayersKernels_Run(const struct qcGlFunctions* gl, const qcLayersKernels* kernels, qcLayersKernel kernel,
@@ -89,7 +93,7 @@ void qcLayersKernels_Run(const struct qcGlFunctions* gl, const qcLayersKernels* 
 {
     qcGl_Counted(gl)->UseProgram(kernels->programs[kernel]);
     Dispatch(gl, groups);
-    Finish(gl);
+    Finish(gl, s_shapes[kernel].isLast);
 }
 
 void qcLayersKernels_RunForeign(const struct qcGlFunctions* gl, const qcLayersKernels* kernels, uint32_t first,
@@ -99,5 +103,5 @@ void qcLayersKernels_RunForeign(const struct qcGlFunctions* gl, const qcLayersKe
     qcGl_Counted(gl)->Uniform2ui(kernels->foreign, first, end);
     Dispatch(gl, end - first);
     qcGl_Counted(gl)->Uniform2ui(kernels->foreign, 0, 0);
-    Finish(gl);
+    Finish(gl, false);
 }

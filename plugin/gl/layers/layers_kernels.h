@@ -13,12 +13,16 @@ typedef enum qcLayersKernel
     qc_kernelNodes,      ///< for pairs, and all that follow
     qc_kernelNodePairs,
     qc_kernelTrianglePairs,
+    qc_kernelPairTests,
     qc_kernelCount
 } qcLayersKernel;
 
 enum
 {
-    qc_groupsInRow = 1 << 15 ///< workgroups of a dispatch along x
+    qc_nodeComparers = qc_tileNodes * qc_tileNodes, ///< invocations of a workgroup of qc_kernelNodePairs
+    qc_nodePairsOfGroup = 8,  ///< pairs of nodes of a workgroup of qc_kernelTrianglePairs at a time
+    qc_groupsInRow = 1 << 15, ///< workgroups of a dispatch along x
+    qc_testsOfGroup = 64      ///< pairs of triangles that a workgroup of qc_kernelPairTests tests at a time
 };
 
 /// The uniform block of all kernels, in the layout std140.
@@ -35,7 +39,7 @@ typedef struct qcLayersParameters
     uint32_t axes[3];
     float queryDistance;
     uint32_t groupsAt; ///< word of the clusters' boxes in qc_workNodeBoxes
-    uint32_t tilesOfGroup, unused[2];
+    uint32_t partsOfTile, trianglePairCapacity, unused;
     double origin[3], unit;
 } qcLayersParameters;
 

@@ -27,7 +27,8 @@ layout(std140, binding = 0) uniform Step
     uvec3 axes;
     float queryDistance; // in the frame
     uint groupsAt;
-    uint tilesOfGroup; // at most 64
+    uint partsOfTile; // workgroups that compare one tile with others
+    uint trianglePairCapacity;
     dvec3 origin;
     double unit;
 };
@@ -55,10 +56,18 @@ uint cellAt(uvec3 at)
 
 // Indices of the counters, each on a cache line of its own. finishedCounter gets the run's number from the last kernel:
 // counters read back without it are not those of this run.
-const uint entryCounter = 0u, nodePairCounter = 16u, survivorCounter = 32u, trianglePairCounter = 48u,
+const uint entryCounter = 0u, nodePairCounter = 16u, trianglePairCounter = 32u, survivorCounter = 48u,
            skippedCounter = 64u, stoppedCounter = 80u, overflowCounter = 96u, finishedCounter = 112u;
-// Workgroups of the last kernel that are done: a word that the processor doesn't read.
-const uint doneCounter = 113u;
+// Words that the processor doesn't read: workgroups of the last kernel that are done; the run's number, from the first
+// kernel, plus the kernels between the first and the last that have run.
+const uint doneCounter = 113u, kernelCounter = 114u, kernelsBetween = 3u;
+
+// The last kernel's answer counts only if each kernel has run: see its `finish`.
+void countKernel()
+{
+    if (gl_LocalInvocationIndex == 0u && gl_WorkGroupID == uvec3(0u))
+        atomicAdd(counters[kernelCounter], 1u);
+}
 
 // Adds items to a list's count, and notices a count that could wrap around. Returns the previous count.
 uint append(uint counter, uint count)

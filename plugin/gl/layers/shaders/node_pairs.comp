@@ -1,17 +1,15 @@
 // Pairs of active nodes whose boxes overlap and whose bodies collide; pairs within one body, and of a node with itself, only
-// if the body self-collides. A workgroup compares a tile of 64 nodes with some tiles, itself or later ones.
+// if the body self-collides. A workgroup compares a tile with some tiles, itself or later ones.
 layout(std430, binding = 2) readonly buffer Boxes { uvec4 inBoxes[]; };
 // Node, node not below it, their pair masks or none.
 layout(std430, binding = 5) writeonly buffer NodePairs { uvec4 outNodePairs[]; };
 
-// Four invocations for each node of the tile.
-const uint nodesOfInvocation = 64u * 64u / LOCAL_SIZE, nodesOfRound = nodesOfInvocation / 2u;
+const uint comparisons = TILE_NODES * TILE_NODES; // of two tiles, one each invocation
 
-shared uint tileCount, tiles[64]; // whose boxes overlap that of the workgroup's tile
-shared uint nodesOfB[64], bodiesOfB[64];
-shared uvec4 boxesOfB[64];
+shared uint tileCount, tiles[LOCAL_SIZE];
 shared uint foundCount, firstFound;
-shared uvec2 found[LOCAL_SIZE * nodesOfRound];
+shared uvec2 found[2u * comparisons];
+shared uint tableOf[2u * comparisons]; // pair masks of adjacent nodes; none: these are not adjacent
 
 bool mayCollide(uint a, uint b)
 {
@@ -36,91 +34,77 @@ bool tilesOverlap(uint a, uint b)
     return overlap;
 }
 
-// The box of an active node; past the last one an empty box.
-uvec4 boxOf(uint i)
+// A comparison each invocation: a node of tile `a` and one of tile `b`, not before it.
+void compareTiles(uint a, uint b, uint k)
 {
-    return i < activeNodes ? inBoxes[nodeBoxesAt + i] : packBox(uvec4(highestLevel), uvec4(0u));
+    uint i = a * TILE_NODES + k % TILE_NODES, j = b * TILE_NODES + k / TILE_NODES;
+    if (j < i || j >= activeNodes)
+        return;
+    uvec4 p = inBoxes[nodeBoxesAt + i], q = inBoxes[nodeBoxesAt + j];
+    if (!OVERLAP(p, q))
+        return;
+    uint m = activeNode(i), n = activeNode(j), bodyM = texelFetch(nodes, int(m)).x, bodyN = texelFetch(nodes, int(n)).x;
+    if (bodyM == bodyN ? bodySelfCollides(bodyM) : mayCollide(bodyM, bodyN))
+        found[atomicAdd(foundCount, 1u)] = uvec2(min(m, n), max(m, n));
 }
 
-uint bodyOf(uint node)
+// The pair masks of adjacent nodes: 8 invocations look through a node's links. Links lead from lower to higher nodes.
+void findTables(uint count, uint k)
 {
-    return texelFetch(nodes, int(node)).x;
-}
-
-// The pair masks of adjacent nodes; none: these are not adjacent. Links lead from lower to higher nodes.
-uint tableOf(uvec2 pair)
-{
-    uvec2 range = texelFetch(nodes, int(pair.x)).yz; // first, end
-    uint link = testNeighbours != 0u ? range.y : range.x, table = none;
-    for (; link < range.y && table == none; link++)
+    for (uint i = k; i < count; i += LOCAL_SIZE)
+        tableOf[i] = none;
+    barrier();
+    for (uint i = testNeighbours != 0u ? count : k >> 3; i < count; i += LOCAL_SIZE / 8u)
     {
-        uvec2 adjacent = texelFetch(links, int(link)).xy;
-        table = adjacent.x == pair.y ? adjacent.y : none;
+        uvec2 range = texelFetch(nodes, int(found[i].x)).yz; // first, end
+        uint link = range.x + (k & 7u);
+        for (; link < range.y; link += 8u)
+        {
+            uvec2 adjacent = texelFetch(links, int(link)).xy;
+            if (adjacent.x == found[i].y)
+                tableOf[i] = adjacent.y;
+        }
     }
-    // Some implementations stop the loops of an invocation after 65 535 iterations in all.
-    if (link < range.y && table == none)
-        counters[stoppedCounter] = 1u;
-    return table;
+    barrier();
 }
 
 // One append for all that was found.
 void writeFound(uint k)
 {
-    barrier();
     uint count = foundCount;
+    findTables(count, k);
     if (k == 0u && count != 0u)
         firstFound = append(nodePairCounter, count);
     barrier();
     for (uint i = k; i < count; i += LOCAL_SIZE)
-        outNodePairs[min(firstFound + i, nodePairCapacity)] = uvec4(found[i], tableOf(found[i]), 0u);
+        outNodePairs[min(firstFound + i, nodePairCapacity)] = uvec4(found[i], tableOf[i], 0u);
     if (k == 0u)
         foundCount = 0u;
     barrier();
 }
 
-// Compares a node of A with some of the nodes of tile B. `first`: of these, the first to compare with.
-void compareWith(uint b, uint first, uvec4 box, uint node, uint body, uint k)
-{
-    barrier();
-    if (k < 64u)
-    {
-        uint j = b * 64u + k;
-        nodesOfB[k] = j < activeNodes ? activeNode(j) : 0u;
-        bodiesOfB[k] = bodyOf(nodesOfB[k]);
-        boxesOfB[k] = boxOf(j);
-    }
-    barrier();
-    bool selfCollides = bodySelfCollides(body);
-    uint begin = (k >> 6) * nodesOfInvocation;
-    for (uint base = begin; base < begin + nodesOfInvocation; base += nodesOfRound)
-    {
-        for (uint m = base; m < base + nodesOfRound; m++)
-        {
-            uvec4 other = boxesOfB[m];
-            if (m >= first && OVERLAP(box, other) &&
-                (bodiesOfB[m] == body ? selfCollides : mayCollide(body, bodiesOfB[m])))
-                found[atomicAdd(foundCount, 1u)] = uvec2(min(node, nodesOfB[m]), max(node, nodesOfB[m]));
-        }
-        writeFound(k);
-    }
-}
-
 void main()
 {
-    uint tilesInAll = (activeNodes + 63u) / 64u, k = gl_LocalInvocationID.x;
-    uint part = GROUP / max(tilesInAll, 1u), a = GROUP - part * tilesInAll, first = a + part * tilesOfGroup, b = first + k;
-    if (first >= tilesInAll)
+    countKernel();
+    uint tilesInAll = (activeNodes + TILE_NODES - 1u) / TILE_NODES, k = gl_LocalInvocationID.x;
+    uint part = GROUP / max(tilesInAll, 1u), a = GROUP - part * tilesInAll, b = a + part + k * partsOfTile, t = 0u;
+    if (part >= partsOfTile)
         return;
 
     if (k == 0u)
         tileCount = foundCount = 0u;
     barrier();
-    if (k < tilesOfGroup && b < tilesInAll && tilesOverlap(a, b))
+    if (b < tilesInAll && tilesOverlap(a, b))
         tiles[atomicAdd(tileCount, 1u)] = b;
     barrier();
-    uint i = a * 64u + (k & 63u), node = i < activeNodes ? activeNode(i) : 0u, count = tileCount;
-    uvec4 box = boxOf(i);
-    uint body = bodyOf(node);
-    for (uint t = 0u; t < count; t++)
-        compareWith(tiles[t], tiles[t] == a ? k & 63u : 0u, box, node, body, k);
+    for (; t < tileCount; t++)
+    {
+        compareTiles(a, tiles[t], k);
+        barrier();
+        if (foundCount > comparisons)
+            writeFound(k);
+        barrier();
+    }
+    if (foundCount != 0u)
+        writeFound(k);
 }

@@ -1,5 +1,5 @@
 // A workgroup for each node: boxes of its triangles and clusters and its own, rounded outward to levels. Joins the node's
-// box to that of its tile, 64 active nodes.
+// box to that of its tile, TILE_NODES active nodes.
 // BOXES_OF_NODE a node: triangles, clusters, the node; then those of active nodes, see nodeBoxesAt.
 layout(std430, binding = 2) buffer Boxes { uvec4 outBoxes[]; };
 
@@ -43,7 +43,7 @@ void addNode(uint i, uint node, uvec4 lower, uvec4 upper)
         lower = uvec4(highestLevel), upper = uvec4(0u);
     }
     outBoxes[nodeBoxesAt + i] = packBox(lower, upper);
-    uint tile = COUNTER_WORDS + (i >> 6) * tileWords;
+    uint tile = COUNTER_WORDS + i / TILE_NODES * tileWords;
     for (uint axis = 0u; axis < 4u; axis++)
     {
         atomicMin(counters[tile + axis], lower[axis]);
@@ -53,6 +53,7 @@ void addNode(uint i, uint node, uvec4 lower, uvec4 upper)
 
 void main()
 {
+    countKernel();
     uint i = GROUP, k = gl_LocalInvocationID.x;
     if (i >= activeNodes)
         return;

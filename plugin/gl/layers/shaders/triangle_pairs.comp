@@ -1,151 +1,15 @@
-// A workgroup for one pair of nodes after another, from clusters to triangles that may be within the query distance:
-// overlapping clusters, overlapping triangles except neighbours, then signs of determinants and separating axes. These are
-// one algorithm with kernels/relate.inl.h and separating_axis.inl.h (the processor also tries the line between the centres).
-// Tests of `layers` run both with one body (QC_LAYERS_REFINE). Proof: plugin/docs/proofs/layers.md.
-layout(std430, binding = 1) readonly buffer Vertices { vec4 inVertices[]; };
+// Pairs of triangles whose boxes overlap, except neighbours: of overlapping clusters of pairs of nodes. 8 invocations for
+// each pair of nodes, then 8 for each pair of clusters.
 layout(std430, binding = 2) readonly buffer Boxes { uvec4 inBoxes[]; };
 layout(std430, binding = 5) readonly buffer NodePairs { uvec4 inNodePairs[]; };
-// A copy of the counters, then triangles of the step.
-layout(std430, binding = 6) writeonly buffer Results { uvec2 outResults[]; };
+layout(std430, binding = SOURCE_BINDING) writeonly buffer TrianglePairs { uvec2 outTrianglePairs[]; }; // slots
 
-const uint resultsAt = COUNTER_WORDS / 2u;
-// Pairs of clusters between two barriers. With 16 in place of 4 the queue takes so much shared memory that fewer workgroups
-// run at a time: 0.40 in place of 0.32 ms for the bench's cloth of 1 M triangles on an H200.
-#define CLUSTERS_OF_ROUND 4u
+const uint pairsOfRound = LOCAL_SIZE / 8u;
 
-//  ---- separating axes -----------------------------------------------------------------------------------------------
-
-// The other corners of A and all of B, relative to the first corner of A.
-vec3 b, c, d, e, f;
-float gap;   // required distance along an axis of length 1
-float error; // of a coordinate
-
-// Whether the cross product of two vectors separates the triangles by more than the query distance. The axis need not be
-// exact, but must be equal in all dot products: GLSL may evaluate an expression that is not `precise` anew for each use,
-// and round it differently.
-bool separates(vec3 first, vec3 second)
-{
-    precise vec3 axis = cross(first, second);
-    float u = dot(axis, b), v = dot(axis, c), p = dot(axis, d), q = dot(axis, e), r = dot(axis, f);
-    float size = abs(axis.x) + abs(axis.y) + abs(axis.z), required = size * gap;
-    float above = min(p, min(q, r)) - max(0.0, max(u, v)), below = min(0.0, min(u, v)) - max(p, max(q, r));
-    return max(above, below) > max(required, 1e-20);
-}
-
-void loadCorners(uint s, uint t)
-{
-    uvec4 i0 = texelFetch(triangles, int(s)), i1 = texelFetch(triangles, int(t));
-    vec3 a = inVertices[i0.x].xyz;
-    b = inVertices[i0.y].xyz - a;
-    c = inVertices[i0.z].xyz - a;
-    d = inVertices[i1.x].xyz - a;
-    e = inVertices[i1.y].xyz - a;
-    f = inVertices[i1.z].xyz - a;
-    vec3 largest = max(max(max(abs(b), abs(c)), max(abs(d), abs(e))), abs(f));
-    float size = max(largest.x, max(largest.y, largest.z));
-    // A power of two, so that no product below underflows.
-    float up = uintBitsToFloat((254u << 23) - (floatBitsToUint(size) & 0x7f800000u));
-    b *= up, c *= up, d *= up, e *= up, f *= up;
-    gap = (4.0 * pointError + queryDistance) * up * 1.0001 + 4e-6;
-    error = 2.0 * pointError * up + 2.4e-7;
-}
-
-// Whether an axis separates the triangles by more than the query distance.
-bool areApart()
-{
-    vec3 bc = c - b, de = e - d, df = f - d, ef = f - e;
-    precise vec3 n = cross(b, c), m = cross(de, df);
-    // No early exit: arithmetic costs less than branches.
-    bool apart = separates(b, c);
-    apart = separates(de, df) || apart;
-    apart = separates(b, de) || apart;
-    apart = separates(b, df) || apart;
-    apart = separates(b, ef) || apart;
-    apart = separates(c, de) || apart;
-    apart = separates(c, df) || apart;
-    apart = separates(c, ef) || apart;
-    apart = separates(bc, de) || apart;
-    apart = separates(bc, df) || apart;
-    apart = separates(bc, ef) || apart;
-    apart = separates(n, b) || apart;
-    apart = separates(n, c) || apart;
-    apart = separates(n, bc) || apart;
-    apart = separates(m, de) || apart;
-    apart = separates(m, df) || apart;
-    apart = separates(m, ef) || apart;
-    return apart;
-}
-
-//  ---- signs of determinants -----------------------------------------------------------------------------------------
-
-// What is proven for a pair: that it is disjoint; that the interiors intersect.
-bool areDisjoint, areIntersecting;
-
-// The proven sign; 0: none is.
-int signOf(float x, float maxError)
-{
-    return int(x > maxError) - int(x < -maxError);
-}
-
-// An edge against a triangle: the sides of its ends, and the sides on which its line passes the triangle's edges.
-void addEdge(int p, int q, int r, int s, int t)
-{
-    int low = min(r, min(s, t)), high = max(r, max(s, t));
-    areDisjoint = areDisjoint && (low * high < 0 || p * q > 0);
-    areIntersecting = areIntersecting || (low * high > 0 && p * q < 0);
-}
-
-// kernels/relate.inl.h, with room for GLSL's rounding: twice the processor's. Proof: plugin/docs/proofs/pair_signs.md.
-void decide()
-{
-    vec3 one = vec3(1.0);
-    float sizeA = 1.001 * max(dot(abs(b), one), dot(abs(c), one)),
-          sizeB = 1.001 * max(dot(abs(d), one), max(dot(abs(e), one), dot(abs(f), one)));
-    float aa = error * sizeA * sizeA, ab = error * sizeA * sizeB, bb = error * sizeB * sizeB;
-    float constant = 48.0 * error * error + 3.0e-5, several = 4.0 * constant + 7.2e-5;
-    vec3 n = cross(b, c), mx = cross(d, e), my = cross(e, f), mz = cross(f, d);
-    vec3 x = vec3(dot(b, mx), dot(b, my), dot(b, mz)), y = vec3(dot(c, mx), dot(c, my), dot(c, mz)),
-         ofPlaneA = vec3(dot(n, d), dot(n, e), dot(n, f)), last = y - x + ofPlaneA.yzx - ofPlaneA;
-    float volume = dot(d, my);
-    float planeError = aa + 2.0 * ab + constant, sideError = bb + 2.0 * ab + constant,
-          lastError = 2.0 * (aa + bb) + 8.0 * ab + several, cornerError = 6.0 * (bb + ab) + several;
-    int ofA[3] = int[](signOf(-volume, 3.0 * bb + constant), signOf(x.x + x.y + x.z - volume, cornerError),
-                       signOf(y.x + y.y + y.z - volume, cornerError));
-    int ofB[3], side[9]; // side[3 * i + j]: on which side the line of edge i of A passes edge j of B
-    for (int j = 0; j < 3; j++)
-    {
-        ofB[j] = signOf(ofPlaneA[j], planeError);
-        side[j] = signOf(x[j], sideError);
-        side[3 + j] = signOf(last[j], lastError);
-        side[6 + j] = signOf(-y[j], sideError);
-    }
-    areDisjoint = true, areIntersecting = false;
-    for (int i = 0; i < 3; i++)
-    {
-        int next = i < 2 ? i + 1 : 0;
-        addEdge(ofA[i], ofA[next], side[3 * i], side[3 * i + 1], side[3 * i + 2]);
-        addEdge(ofB[i], ofB[next], side[i], side[3 + i], side[6 + i]);
-    }
-}
-
-// Whether the triangles at two slots may be within the query distance; areIntersecting: they surely intersect.
-bool mayMeet(uint s, uint t)
-{
-    loadCorners(s, t);
-    decide();
-    bool apart = areDisjoint && queryDistance == 0.0;
-    return areIntersecting || (!apart && !areApart());
-}
-
-//  ---- clusters and triangles ------------------------------------------------------------------------------------------
-
-shared uvec4 boxesOfA[72], boxesOfB[72]; // of triangles, then of clusters
-shared uint clusterCount;
-shared uvec3 clusters[64]; // overlapping ones: cluster + 8 * cluster, and which of their triangles to test
-// Slots of triangles whose boxes overlap. Pairs of several pairs of nodes are tested together: one each invocation.
-shared uint queueCount;
-shared uvec2 queue[LOCAL_SIZE + CLUSTERS_OF_ROUND * 64u];
-shared uint keptCount, firstKept;
+shared uvec4 pairs[pairsOfRound];                       // as in the list
+shared uint clusterCount, clusters[64u * pairsOfRound]; // pair of nodes << 6 | clusters u + 8 v
+shared uvec2 words[LOCAL_SIZE];                         // pairs of triangles of the clusters, s + 8 t
+shared uint listed, firstListed;
 
 // The pair mask of two clusters, see qcPairMask_Word; none where the table has no word.
 uvec2 wordOf(uint table, uint bit)
@@ -159,144 +23,115 @@ uvec2 wordOf(uint table, uint bit)
     return texelFetch(tables, int(table) + 2 + ranks.x + ranks.y).xy;
 }
 
-// Pairs of triangles of two clusters of one node: each once.
-uvec2 wordWithinNode(uint u, uint v)
+// Pairs of triangles of two clusters, s + 8 t.
+uvec2 wordOfClusters(uint cluster)
 {
-    return u < v ? uvec2(none) : u == v ? uvec2(0x07030100u, 0x7f3f1f0fu) : uvec2(0u);
+    uint bit = cluster & 63u, u = bit & 7u, v = bit >> 3;
+    uvec4 pair = pairs[cluster >> 6];
+    if (pair.z != none)
+        return wordOf(pair.z, bit);
+    // Within one node each pair once.
+    return pair.x != pair.y || u < v ? uvec2(none) : u == v ? uvec2(0x07030100u, 0x7f3f1f0fu) : uvec2(0u);
 }
 
-// Clusters u and v at u + 8 v.
-void findClusters(uvec4 pair, uint k)
+// Overlapping clusters: cluster v of a pair's second node with those of the first.
+void findClusters(uint count, uint k)
 {
-    for (uint bit = k; bit < 64u; bit += LOCAL_SIZE)
+    uint p = k >> 3, v = k & 7u, hits = 0u;
+    if (p >= count)
+        return;
+    uvec4 box = inBoxes[pairs[p].y * uint(BOXES_OF_NODE) + 64u + v];
+    for (uint u = 0u; u < 8u; u++)
     {
-        uint u = bit & 7u, v = bit >> 3;
-        uvec4 p = boxesOfA[64u + u], q = boxesOfB[64u + v];
-        if (!OVERLAP(p, q))
-            continue;
-        uvec2 word = pair.z != none ? wordOf(pair.z, bit) : pair.x == pair.y ? wordWithinNode(u, v) : uvec2(none);
-        if (word != uvec2(0u))
-            clusters[atomicAdd(clusterCount, 1u)] = uvec3(bit, word);
+        uvec4 other = inBoxes[pairs[p].x * uint(BOXES_OF_NODE) + 64u + u];
+        hits |= OVERLAP(box, other) ? 1u << u : 0u;
     }
+    uint place = hits != 0u ? atomicAdd(clusterCount, uint(bitCount(hits))) : 0u;
+    for (; hits != 0u; hits &= hits - 1u)
+        clusters[place++] = p << 6 | v << 3 | uint(findLSB(hits));
 }
 
-// Triangles s and t of two clusters at s + 8 t.
-void findTriangles(uvec2 pair, uvec3 cluster, uint k)
+// Slots of triangle s of the first cluster and triangle 0 of the second.
+uvec2 slotsOf(uint cluster, uint s)
 {
-    for (uint bit = k; bit < 64u; bit += LOCAL_SIZE)
+    return pairs[cluster >> 6].xy * 64u + uvec2((cluster & 7u) * 8u + s, cluster & 56u);
+}
+
+// Element of the boxes.
+uint boxOf(uint slot)
+{
+    return (slot >> 6) * uint(BOXES_OF_NODE) + (slot & 63u);
+}
+
+// The triangles of the second cluster that overlap triangle s of the first, a bit each.
+uint findTriangles(uint cluster, uvec2 word, uint s)
+{
+    uvec2 slots = slotsOf(cluster, s);
+    uvec4 box = inBoxes[boxOf(slots.x)];
+    uint hits = 0u, others = boxOf(slots.y);
+    for (uint t = 0u; t < 8u; t++)
     {
-        uint s = (cluster.x & 7u) * 8u + (bit & 7u), t = (cluster.x >> 3) * 8u + (bit >> 3);
-        uvec4 p = boxesOfA[s], q = boxesOfB[t];
-        if (((bit < 32u ? cluster.y : cluster.z) >> (bit & 31u) & 1u) != 0u && OVERLAP(p, q))
-            queue[atomicAdd(queueCount, 1u)] = pair * 64u + uvec2(s, t);
+        uvec4 other = inBoxes[others + t];
+        bool isTested = ((t < 4u ? word.x : word.y) >> (s + 8u * (t & 3u)) & 1u) != 0u;
+        hits |= isTested && OVERLAP(box, other) ? 1u << t : 0u;
     }
+    return hits;
 }
 
-//  ---- results -----------------------------------------------------------------------------------------------------------
-
-const uint sureBit = 0x80000000u; // of the first triangle's number
-
-// The step's number of the triangle at a slot.
-uint numberOf(uint slot)
+// Lists the overlapping triangles of some pairs of clusters, LOCAL_SIZE at most. One append for all.
+void addClusters(uint base, uint count, uint k)
 {
-    return bodyWord(texelFetch(nodes, int(slot >> 6)).x, 20u) + texelFetch(triangles, int(slot)).w;
-}
-
-// Tests the last pairs in the queue, one each invocation. Returns their number. One append for all that are kept.
-uint testLast(uint k)
-{
-    barrier();
-    uint inQueue = queueCount, count = min(inQueue, LOCAL_SIZE);
-    uvec2 pair = queue[inQueue - count + min(k, count - 1u)];
-    bool isKept = k < count && mayMeet(pair.x, pair.y);
-    barrier();
+    if (k < count)
+        words[k] = wordOfClusters(clusters[base + k]);
     if (k == 0u)
+        listed = 0u;
+    barrier();
+    uvec2 hits = uvec2(0u); // 8 bits a round
+    for (uint item = k >> 3, round = 0u; item < count; item += pairsOfRound, round++)
     {
-        queueCount = inQueue - count;
-        keptCount = 0u;
+        uint ofRound = findTriangles(clusters[base + item], words[item], k & 7u) << 8u * (round & 3u);
+        hits |= round < 4u ? uvec2(ofRound, 0u) : uvec2(0u, ofRound);
+    }
+    ivec2 bits = bitCount(hits);
+    uint place = hits != uvec2(0u) ? atomicAdd(listed, uint(bits.x + bits.y)) : 0u;
+    barrier();
+    if (k == 0u && listed != 0u)
+        firstListed = append(trianglePairCounter, listed);
+    barrier();
+    for (place += firstListed; hits != uvec2(0u); place++)
+    {
+        uint bit = uint(hits.x != 0u ? findLSB(hits.x) : 32 + findLSB(hits.y));
+        hits = hits.x != 0u ? uvec2(hits.x & hits.x - 1u, hits.y) : uvec2(0u, hits.y & hits.y - 1u);
+        uvec2 slots = slotsOf(clusters[base + (bit >> 3) * pairsOfRound + (k >> 3)], k & 7u);
+        outTrianglePairs[min(place, trianglePairCapacity)] = uvec2(slots.x, slots.y + (bit & 7u));
     }
     barrier();
-    uint place = isKept ? atomicAdd(keptCount, 1u) : 0u;
-    barrier();
-    if (k == 0u && keptCount != 0u)
-        firstKept = append(survivorCounter, keptCount);
-    barrier();
-    if (isKept)
-        outResults[resultsAt + min(firstKept + place, survivorCapacity)] =
-            uvec2(numberOf(pair.x) | (areIntersecting ? sureBit : 0u), numberOf(pair.y));
-    return count;
 }
 
-// Adds the triangles of two nodes to the queue, and tests what fills the workgroup. Returns the number of tests.
-uint addNodes(uvec4 pair, uint k)
+// The triangles of pairs of nodes, pairsOfRound at most.
+void addNodes(uint first, uint count, uint k)
 {
-    if (k < 8u)
-        boxesOfA[64u + k] = inBoxes[pair.x * uint(BOXES_OF_NODE) + 64u + k];
-    else if (k < 16u)
-        boxesOfB[56u + k] = inBoxes[pair.y * uint(BOXES_OF_NODE) + 56u + k];
+    if (k < count)
+        pairs[k] = inNodePairs[first + k];
     if (k == 0u)
         clusterCount = 0u;
     barrier();
-    findClusters(pair, k);
+    findClusters(count, k);
     barrier();
-    uint toDo = clusterCount, tested = 0u;
-    for (uint box = k; toDo != 0u && box < 64u; box += LOCAL_SIZE)
-    {
-        boxesOfA[box] = inBoxes[pair.x * uint(BOXES_OF_NODE) + box];
-        boxesOfB[box] = inBoxes[pair.y * uint(BOXES_OF_NODE) + box];
-    }
+    uint inAll = clusterCount;
+    for (uint base = 0u; base < inAll; base += LOCAL_SIZE)
+        addClusters(base, min(inAll - base, LOCAL_SIZE), k);
     barrier();
-    for (uint j = 0u; j < toDo;)
-    {
-        for (uint end = min(j + CLUSTERS_OF_ROUND, toDo); j < end; j++)
-            findTriangles(pair.xy, clusters[j], k);
-        barrier();
-        uint waiting = queueCount;
-        barrier(); // before anything is added
-        for (; waiting >= LOCAL_SIZE; waiting -= LOCAL_SIZE)
-            tested += testLast(k);
-    }
-    return tested;
-}
-
-shared bool isLast;
-
-// The last workgroup copies the counters for the processor. They are read by atomics: a cache may hold old ones.
-void finish(uint tested, uint groups, uint k)
-{
-    memoryBarrier();
-    barrier();
-    if (k == 0u)
-    {
-        atomicAdd(counters[trianglePairCounter], tested);
-        memoryBarrierBuffer();
-        isLast = atomicAdd(counters[doneCounter], 1u) == groups - 1u;
-    }
-    barrier();
-    if (!isLast)
-        return;
-    for (uint i = k; i < resultsAt; i += LOCAL_SIZE)
-    {
-        uvec2 words = uvec2(atomicAdd(counters[2u * i], 0u), atomicAdd(counters[2u * i + 1u], 0u));
-        outResults[i] = uvec2(2u * i == finishedCounter ? runNumber : words.x, words.y);
-    }
 }
 
 void main()
 {
-    uint k = gl_LocalInvocationID.x, groups = gl_NumWorkGroups.x * gl_NumWorkGroups.y, tested = 0u, i = GROUP;
-    uint count = min(counters[nodePairCounter], nodePairCapacity);
-    if (k == 0u)
-        queueCount = 0u;
-    barrier();
-    for (; i < count; i += groups)
-    {
-        tested += addNodes(inNodePairs[i], k);
-        barrier();
-    }
-    if (i < count)
+    countKernel();
+    uint k = gl_LocalInvocationID.x, groups = gl_NumWorkGroups.x * gl_NumWorkGroups.y, first = GROUP * pairsOfRound;
+    // With too small a list the kernels run again.
+    uint inList = counters[nodePairCounter], count = inList <= nodePairCapacity ? inList : 0u;
+    for (; first < count; first += groups * pairsOfRound)
+        addNodes(first, min(count - first, pairsOfRound), k);
+    if (first < count)
         counters[stoppedCounter] = 1u;
-    if (queueCount != 0u)
-        tested += testLast(k);
-    finish(tested, groups, k);
 }

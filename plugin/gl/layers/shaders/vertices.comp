@@ -1,7 +1,7 @@
 // New vertices, from chunks of 64 of a body, to positions in the grid frame. Resets the lists, and copies what later
 // kernels read of the step's data to the device's memory: on a GPU each read of the processor's memory takes microseconds.
 layout(std430, binding = 1) buffer Vertices { vec4 outVertices[]; };
-layout(std430, binding = 3) readonly buffer Source { uint source[]; }; // the step's data, or another buffer with floats
+layout(std430, binding = SOURCE_BINDING) readonly buffer Source { uint source[]; }; // another buffer with floats
 #ifdef COPY_BINDING
 layout(std430, binding = COPY_BINDING) writeonly buffer StepCopy { uint stepCopy[]; };
 #endif
@@ -16,7 +16,7 @@ void prepareLists()
 {
     uint stride = gl_NumWorkGroups.x * gl_NumWorkGroups.y * gl_WorkGroupSize.x;
     for (uint i = ITEM; i < COUNTER_WORDS + listWords; i += stride)
-        counters[i] = i < COUNTER_WORDS ? 0u : EMPTY_LIST;
+        counters[i] = i >= COUNTER_WORDS ? EMPTY_LIST : i == kernelCounter ? runNumber : 0u;
 #ifdef COPY_BINDING
     for (uint i = ITEM; i < chunksAt; i += stride)
         stepCopy[i] = stepData[i];
@@ -46,13 +46,18 @@ double exactly(uint bits)
     return (bits >> 31) != 0u ? -magnitude : magnitude;
 }
 
+uint floatBits(uint at)
+{
+    return foreignChunks.y != 0u ? source[at] : stepData[at];
+}
+
 shared uint packedWords[3 * LOCAL_SIZE];
 
 // Vertices without gaps are read word by word: each word once, and those of neighbouring invocations together.
 void readPacked(uint first, uint count, uint k)
 {
     for (uint word = k; word < 3u * count; word += LOCAL_SIZE)
-        packedWords[word] = source[first + word];
+        packedWords[word] = floatBits(first + word);
 }
 
 uvec3 wordsOf(uint first, uint stride, uint k)
@@ -60,7 +65,7 @@ uvec3 wordsOf(uint first, uint stride, uint k)
     if (stride == 3u)
         return uvec3(packedWords[3u * k], packedWords[3u * k + 1u], packedWords[3u * k + 2u]);
     uint at = first + k * stride;
-    return uvec3(source[at], source[at + 1u], source[at + 2u]);
+    return uvec3(floatBits(at), floatBits(at + 1u), floatBits(at + 2u));
 }
 
 vec3 positionOf(uvec3 words, uint kind)
