@@ -57,18 +57,19 @@ static void ReportDevice(const qcStep* step, qcProfile* profile)
     profile->softwareDevice = info.software;
 }
 
-/// Threads for the loops up to the sweep, or to a GPU's work.
-static uint32_t ThreadsOfLoops(const qcStep* step, uint32_t triangles)
+/// Threads for the loops up to the sweep, or to a GPU's work. `auto` will likely choose as before.
+static uint32_t ThreadsOfLoops(const qcStep* step, const qcPlanHistory* history, uint32_t triangles)
 {
     qcDeviceInfo info = {.software = true};
-    if (step->plan.method == qc_methodLayers && step->device != NULL)
+    bool isOnDevice = step->plan.method == qc_methodLayers || (step->plan.method == qc_methodAuto && history->onDevice);
+    if (isOnDevice && step->device != NULL)
         qcDevice_GetInfo(step->device, &info);
     return triangles < (info.software ? qc_minThreadedTriangles : qc_minThreadedOnGpu) ? 1 : step->threads;
 }
 
 /// Numbers the step's bodies and triangles; finds the owners of features for contacts; wakes threads.
-static qcStatus BeginStep(const qcStep* step, qcBodies* bodies, qcStepTriangles* triangles, qcPcs* pcs,
-                          qcProfile* profile)
+static qcStatus BeginStep(const qcStep* step, const qcPlanHistory* history, qcBodies* bodies,
+                          qcStepTriangles* triangles, qcPcs* pcs, qcProfile* profile)
 {
     for (size_t slot = 0; slot < bodies->slots.count && step->def->contactMargin != 0.0; slot++)
         QC_TRY(qcBody_FindFeatureOwners(&QC_AT(qcBody, bodies->slots, slot)));
@@ -77,7 +78,7 @@ static qcStatus BeginStep(const qcStep* step, qcBodies* bodies, qcStepTriangles*
     triangles->motion = step->def->motion;
     triangles->maxPairs = step->def->maxPairs != 0 ? step->def->maxPairs : UINT64_MAX;
     QC_TRY(qcStepTriangles_Number(triangles, bodies));
-    bodies->threads = ThreadsOfLoops(step, triangles->count);
+    bodies->threads = ThreadsOfLoops(step, history, triangles->count);
     qcParallel_Wake(bodies->threads);
     QC_TRY(qcPcs_Reset(triangles->bodyCount, triangles->count, pcs));
     profile->bodies = triangles->bodyCount;
@@ -187,7 +188,8 @@ static qcStatus RunStages(const qcStep* step, qcBodies* bodies, double start, qc
     QC_TRY(CheckVertexBuffers(bodies));
     if (!qcVertexBuffers_SufficeFor(step))
         QC_TRY(qcVertexBuffers_CompleteAll(bodies, &profile.readBackBytes));
-    QC_TRY(BeginStep(step, bodies, &d->triangles, &d->pcs, &profile));
+    qcIslandRouting* routing = &d->triangleStage.routing;
+    QC_TRY(BeginStep(step, &routing->history, bodies, &d->triangles, &d->pcs, &profile));
     const qcStepTriangles* triangles = &d->triangles;
     profile.planMs = Lap(&lap);
     Enter(step, "qcScene cull bodies");
@@ -205,7 +207,6 @@ static qcStatus RunStages(const qcStep* step, qcBodies* bodies, double start, qc
     Enter(step, "qcScene sweep triangles");
     QC_TRY(Leave(step, qcMethodStage_Sweep(step, triangles, &d->bodyPairs, &d->pcs, &d->triangleStage, &profile)));
     profile.sweepTrianglesMs = Lap(&lap);
-    qcIslandRouting* routing = &d->triangleStage.routing;
     ReportDevice(step, &profile);
 
     const qcCandidates* candidates = &d->triangleStage.candidates;

@@ -308,6 +308,7 @@ static uint64_t GroupsOfList(const qcLayers* layers, List list, uint32_t share)
 {
     uint64_t capacity = ListCapacity(layers, list), last = CountOf(layers, list), least = capacity / qc_maxRounds;
     uint64_t items = last != 0 ? last + last / 4 : capacity / 8;
+    items = items < capacity ? items : capacity;
     return (items > least ? items : least) / share + 1;
 }
 

@@ -20,7 +20,7 @@ typedef enum qcLayersKernel
 enum
 {
     qc_nodeComparers = qc_tileNodes * qc_tileNodes, ///< invocations of a workgroup of qc_kernelNodePairs
-    qc_nodePairsOfGroup = 8,  ///< pairs of nodes of a workgroup of qc_kernelTrianglePairs at a time
+    qc_nodePairsOfGroup = 16, ///< pairs of nodes of a workgroup of qc_kernelTrianglePairs at a time
     qc_groupsInRow = 1 << 15, ///< workgroups of a dispatch along x
     qc_testsOfGroup = 64      ///< pairs of triangles that a workgroup of qc_kernelPairTests tests at a time
 };
