@@ -13,6 +13,7 @@
 #include "base/status.h"
 
 #include <assert.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -23,6 +24,7 @@ enum
     qc_maxReruns = 64,
     // Calls for each job in device.c, beside those that are counted here: for errors.
     qc_callsOfJob = 1,
+    qc_spareItems = 4096,
     // Words that an invocation of the first kernel resets or copies.
     qc_resetShare = 8,
     // Workgroups that compare tiles, where there are few tiles: a GPU of 132 multiprocessors runs half as many at a
@@ -73,7 +75,7 @@ struct qcLayers
     qcLayersStream stream;
     qcLayersKernels kernels;
     Counters counters;  ///< of the last run
-    uint32_t runNumber; ///< of the last run, from 1; the last kernel writes it to `finished`
+    uint32_t runNumber; ///< of the last run; the last kernel writes it to `finished`
     GLsync fence;       ///< of the run on the device; null: there is none
     qcGlTimers timers;
     qcLayersStep step; ///< the last one begun
@@ -333,7 +335,9 @@ static void RunKernels(const struct qcGlFunctions* gl, qcLayers* layers)
 /// Submits a run: all kernels, and a fence behind them. May be repeated.
 static void Submit(const struct qcGlFunctions* gl, qcLayers* layers)
 {
-    layers->runNumber++;
+    // No two runs of a process have the same: new buffers may hold the answer of one that is gone.
+    static atomic_uint s_runs;
+    layers->runNumber = atomic_fetch_add(&s_runs, 1) + 1;
     qcLayersBuffers_UnmapAll(gl, &layers->buffers);
     qcLayersStream_Submit(gl, &layers->stream, FindPlaces(&layers->step).end * sizeof(uint32_t));
     if (gl->programs->bound != layers)
@@ -359,11 +363,12 @@ static qcStatus ReserveAll(const struct qcGlFunctions* gl, qcLayers* layers)
     QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workNodeBoxes, imageOnly ? qc_texelsOfImageNode * nodes : 0));
     QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workLists, qc_counterWords + (size_t)ListWords(layers, step)));
     QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workStep, imageOnly ? 0 : FindPlaces(step).chunks));
-    // Items per node that a folded cloth needs; a scene that needs more takes one more run.
+    // Items per node that a folded cloth needs, and enough for most small scenes; one that needs more takes one more
+    // run.
     static const size_t s_itemsPerNode[list_count] = {4, 12, 64, 8};
     for (int list = 0; list < list_count; list++)
         QC_TRY(qcLayersBuffers_Reserve(gl, b, s_lists[list],
-                                       HasList(layers, list) ? s_itemsPerNode[list] * nodes + 128 : 0));
+                                       HasList(layers, list) ? s_itemsPerNode[list] * nodes + qc_spareItems : 0));
     return qc_statusOk;
 }
 

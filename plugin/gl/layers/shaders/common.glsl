@@ -58,8 +58,8 @@ uint cellAt(uvec3 at)
 // counters read back without it are not those of this run.
 const uint entryCounter = 0u, nodePairCounter = 16u, trianglePairCounter = 32u, survivorCounter = 48u,
            skippedCounter = 64u, stoppedCounter = 80u, overflowCounter = 96u, finishedCounter = 112u;
-// Words that the processor doesn't read: workgroups of the last kernel that are done; the run's number, from the first
-// kernel, plus the kernels between the first and the last that have run.
+// Words that the processor doesn't read: workgroups of the last kernel that are done; four times the run's number, from
+// the first kernel, plus the kernels between it and the last that have run.
 const uint doneCounter = 113u, kernelCounter = 114u, kernelsBetween = 3u;
 
 // The last kernel's answer counts only if each kernel has run: see its `finish`.

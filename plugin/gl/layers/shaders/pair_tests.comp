@@ -179,7 +179,7 @@ void finish(uint groups, uint k)
     for (uint i = k; i < resultsAt; i += LOCAL_SIZE)
     {
         uvec2 words = uvec2(atomicAdd(counters[2u * i], 0u), atomicAdd(counters[2u * i + 1u], 0u));
-        bool allRan = atomicAdd(counters[kernelCounter], 0u) == runNumber + kernelsBetween;
+        bool allRan = atomicAdd(counters[kernelCounter], 0u) == 4u * runNumber + kernelsBetween;
         outResults[i] = uvec2(2u * i == finishedCounter && allRan ? runNumber : words.x, words.y);
     }
 }
