@@ -1,7 +1,8 @@
 // Meshes that move by more than the contact distance in a step: they stop where they touch, not deep inside.
 // The pile of bunnies is left out where their file is missing.
 #include "bullet/add_loop.h"
-#include "bullet/mesh/step_oracle.h"
+#include "bullet/mesh/mesh_world.h"
+#include "bullet/mesh/motion_oracle.h"
 
 #ifdef QC_BUNNY
 #include "bullet/mesh/mesh_bunny.h"
@@ -142,7 +143,7 @@ START_TEST(the_end_of_a_spinning_bar_does_not_pass_through_a_post)
                       btTransform(btQuaternion(btVector3(0, 1, 0), btScalar(0.023 * i)), btVector3(0, 0, 0)));
         // Its end moves by 0.2 m in a step, twice its width.
         spinning->setAngularVelocity(btVector3(0, -12, 0));
-        qcStepOracle oracle;
+        qcMotionOracle oracle;
         oracle.Add(post, fixed);
         oracle.Add(bar, spinning);
         double slowest = -12;

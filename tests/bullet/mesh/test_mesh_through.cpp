@@ -1,6 +1,7 @@
 // Meshes that don't penetrate before a step penetrate at no moment of it, however fast they are, and gain no energy.
 // The bunnies are left out where their file is missing.
-#include "bullet/mesh/step_oracle.h"
+#include "bullet/mesh/mesh_world.h"
+#include "bullet/mesh/motion_oracle.h"
 
 #ifdef QC_BUNNY
 #include "bullet/add_loop.h"
@@ -37,7 +38,7 @@ START_TEST(a_thrown_sheet_of_two_triangles_does_not_pass_another)
     {
         qcMeshWorld world;
         world.world.setGravity(btVector3(0, 0, 0));
-        qcStepOracle oracle;
+        qcMotionOracle oracle;
         btCollisionShape* shape = world.Keep(sheet.MakeShape());
         btRigidBody* target = world.Add(shape, 1, At(btVector3(0, 0, 0)));
         btRigidBody* thrown = world.Add(shape, 1,
@@ -91,7 +92,7 @@ START_TEST(thin_sheets_in_compounds_do_not_pass_each_other)
                                         At(btVector3(Jitter(start, 0), 3 + Jitter(start, 1), Jitter(start, 2)),
                                            btVector3(1, 0, btScalar(0.3)).normalized(), Jitter(start, 3)));
         thrown->setLinearVelocity(btVector3(0, -100, 0));
-        qcStepOracle oracle;
+        qcMotionOracle oracle;
         oracle.Add(both, target);
         oracle.Add(both, thrown);
         double energy = world.KineticEnergy();
@@ -172,7 +173,7 @@ START_TEST(a_fast_spinning_bar_does_not_pass_a_thin_post)
     {
         qcMeshWorld world;
         world.world.setGravity(btVector3(0, 0, 0));
-        qcStepOracle oracle;
+        qcMotionOracle oracle;
         btRigidBody* fixed = world.Add(world.Keep(post.MakeShape()), 0, btVector3(btScalar(0.1), 0, btScalar(0.7)));
         btRigidBody* spinning =
             world.Add(world.Keep(bar.MakeShape()), 1, At(btVector3(0, 0, 0), btVector3(0, 1, 0), Jitter(start, 0)));
@@ -232,7 +233,7 @@ START_TEST(a_kinematic_sheet_takes_along_what_it_sweeps_over)
     {
         qcMeshWorld world;
         world.world.setGravity(btVector3(0, 0, 0));
-        qcStepOracle oracle;
+        qcMotionOracle oracle;
         btRigidBody* sweeping = world.Add(world.Keep(sheet.MakeShape()), 0, btVector3(0, 2 + Jitter(start, 0), 0));
         sweeping->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
         sweeping->setActivationState(DISABLE_DEACTIVATION);
@@ -263,7 +264,7 @@ START_TEST(what_a_kinematic_mesh_crushes_is_counted)
     qcModel sheet = SheetModel();
     qcModel cube = qcBoxModel(btVector3(btScalar(0.1), btScalar(0.1), btScalar(0.1)), 2);
     qcMeshWorld world;
-    qcStepOracle oracle;
+    qcMotionOracle oracle;
     world.Add(world.Keep(sheet.MakeShape()), 0, btVector3(0, 0, 0));
     btRigidBody* crushed = world.Add(world.Keep(cube.MakeShape()), 1, btVector3(0, btScalar(0.13), 0));
     btRigidBody* press = world.Add(world.Keep(sheet.MakeShape()), 0, btVector3(0, 1, 0));
@@ -338,7 +339,7 @@ START_TEST(a_new_body_does_not_pass_a_mesh_in_its_first_step)
     for (bool isNewWorld : {true, false})
     {
         qcMeshWorld world;
-        qcStepOracle oracle;
+        qcMotionOracle oracle;
         oracle.Add(sheet, world.Add(world.Keep(sheet.MakeShape()), 0, btVector3(0, 0, 0)));
         if (!isNewWorld)
             world.Step();
@@ -410,7 +411,7 @@ START_TEST(sleepers_that_never_made_contact_do_not_pass_each_other)
     qcModel cube = qcBoxModel(btVector3(btScalar(0.1), btScalar(0.1), btScalar(0.1)), 2);
     qcMeshWorld world;
     world.world.setGravity(btVector3(0, 0, 0));
-    qcStepOracle oracle;
+    qcMotionOracle oracle;
     btCollisionShape* shape = world.Keep(cube.MakeShape());
     for (int i = 0; i < 4; i++)
     {
@@ -436,7 +437,7 @@ START_TEST(bunnies_thrown_into_a_bin_meet_at_no_moment)
 {
     qcModel model = qcBunnyModel(QC_BUNNY, 600), bin = qcBinModel(btScalar(0.9), 8);
     qcMeshWorld world;
-    qcStepOracle oracle;
+    qcMotionOracle oracle;
     btRigidBody* walls = world.Add(world.StaticMesh(bin), 0, btVector3(0, 0, 0));
     oracle.Add(bin, walls);
     btCollisionShape* shape = world.Keep(model.MakeShape());

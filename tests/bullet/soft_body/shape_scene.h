@@ -1,4 +1,4 @@
-// A cloth that is thrown at one of Bullet's own shapes, and what exact tests find within each step.
+// A cloth that is thrown at one of Bullet's own shapes.
 #ifndef QC_TESTS_BULLET_SOFT_BODY_SHAPE_SCENE_H
 #define QC_TESTS_BULLET_SOFT_BODY_SHAPE_SCENE_H
 
@@ -8,57 +8,8 @@
 #include <BulletSoftBody/btSoftBodyHelpers.h>
 
 // After the standard headers: check defines a macro named fail.
+#include "bullet/mesh/motion_oracle.h"
 #include "bullet/soft_body/soft_models.h"
-
-/// Pairs of triangles of a soft body and a rigid one that penetrate within steps, by exact tests of the linear motion.
-class qcPassOracle
-{
-  public:
-    static constexpr int s_moments = 16;
-
-    qcPassOracle(const btSoftBody* soft, const btCollisionObject* rigid, const qcModel& model)
-        : m_soft(soft), m_rigid(rigid), m_model(model), m_softStart(qcSoupOf(soft)), m_rigidStart(RigidSoup())
-    {
-    }
-
-    /// The largest count at any moment since the last call; the last moment is the present.
-    size_t Count()
-    {
-        const qcSoup softEnd = qcSoupOf(m_soft), rigidEnd = RigidSoup();
-        size_t max = 0;
-        for (int k = 1; k <= s_moments; k++)
-            max = std::max(max, qcCountPenetrating({Between(m_softStart, softEnd, double(k) / s_moments),
-                                                    Between(m_rigidStart, rigidEnd, double(k) / s_moments)},
-                                                   true));
-        m_softStart = softEnd;
-        m_rigidStart = rigidEnd;
-        return max;
-    }
-
-  private:
-    qcSoup RigidSoup() const
-    {
-        qcSoup soup;
-        for (size_t i = 0; i < m_model.positions.size(); i += 3)
-            soup.Add(m_rigid->getWorldTransform() *
-                     btVector3(m_model.positions[i], m_model.positions[i + 1], m_model.positions[i + 2]));
-        soup.indices = m_model.indices;
-        return soup;
-    }
-
-    static qcSoup Between(const qcSoup& start, const qcSoup& end, double time)
-    {
-        qcSoup soup = end;
-        for (size_t i = 0; i < soup.positions.size(); i++)
-            soup.positions[i] = (1 - time) * start.positions[i] + time * end.positions[i];
-        return soup;
-    }
-
-    const btSoftBody* m_soft;
-    const btCollisionObject* m_rigid;
-    const qcModel& m_model;
-    qcSoup m_softStart, m_rigidStart;
-};
 
 /// A square of 2 by 2 metres over a shape at the origin. Its mass is 1 kg.
 struct qcShapeScene : qcSoftWorld
@@ -131,14 +82,11 @@ struct qcShapeScene : qcSoftWorld
         return KineticEnergy() - world.getGravity().dot(Center());
     }
 
-    size_t CountPenetratingNow() const
+    /// Watches the cloth and the triangles of the shape.
+    void Watch(qcMotionOracle& oracle) const
     {
-        qcSoup rigid;
-        for (size_t i = 0; i < model.model.positions.size(); i += 3)
-            rigid.Add(body->getWorldTransform() *
-                      btVector3(model.model.positions[i], model.model.positions[i + 1], model.model.positions[i + 2]));
-        rigid.indices = model.model.indices;
-        return qcCountPenetrating({qcSoupOf(cloth), rigid}, true);
+        oracle.Add([this] { return qcSoupOf(cloth); });
+        oracle.Add(model.model, body);
     }
 };
 

@@ -4,6 +4,7 @@
 
 #include "quickcullide/bullet.h"
 
+#include "bullet/mesh/motion_oracle.h"
 #include "support/oracle.h"
 
 #include <algorithm>
@@ -11,17 +12,6 @@
 
 // After the standard headers: check defines a macro named fail.
 #include "support/suite.h"
-
-struct qcSoup
-{
-    std::vector<double> positions; ///< world space
-    std::vector<uint32_t> indices;
-
-    void Add(const btVector3& point)
-    {
-        positions.insert(positions.end(), {double(point.x()), double(point.y()), double(point.z())});
-    }
-};
 
 inline qcSoup qcSoupOf(const btSoftBody* body)
 {

@@ -8,7 +8,8 @@
 #include <LinearMath/btDefaultMotionState.h>
 
 // After the standard headers: check defines a macro named fail.
-#include "bullet/soft_body/motion_oracle.h"
+#include "bullet/mesh/motion_oracle.h"
+#include "bullet/soft_body/soft_models.h"
 
 namespace
 {
@@ -111,7 +112,7 @@ struct BetweenWorld
         }
         else
             static_cast<btSoftRigidDynamicsWorld*>(world.get())->addSoftBody(cloth);
-        oracle.Add(cloth);
+        oracle.Add([this] { return qcSoupOf(cloth); });
     }
 
     btRigidBody* AddMesh(const qcModel& model, const btTransform& at, btScalar mass, btScalar speed)
@@ -125,7 +126,9 @@ struct BetweenWorld
         bodies.emplace_back(new btRigidBody(bodyInfo));
         bodies.back()->setLinearVelocity(btVector3(0, speed, 0));
         world->addRigidBody(bodies.back().get());
-        oracle.Add(shapes.back().get(), bodies.back().get());
+        const qcMeshShape* shape = shapes.back().get();
+        const btRigidBody* body = bodies.back().get();
+        oracle.Add([shape, body] { return qcSoupOf(*shape, body->getWorldTransform()); });
         return bodies.back().get();
     }
 

@@ -7,7 +7,7 @@
 #include <LinearMath/btDefaultMotionState.h>
 
 // After the standard headers: check defines a macro named fail.
-#include "bullet/soft_body/motion_oracle.h"
+#include "bullet/mesh/motion_oracle.h"
 #include "bullet/soft_body/soft_models.h"
 
 namespace
@@ -67,8 +67,8 @@ struct MovedWorld : qcSoftWorld
             world.addRigidBody(body);
         else
             world.addCollisionObject(object.get());
-        oracle.Add(cloth);
-        oracle.Add(shape, object.get());
+        oracle.Add([this] { return qcSoupOf(cloth); });
+        oracle.Add([this] { return qcSoupOf(*shape, object->getWorldTransform()); });
     }
 
     ~MovedWorld()

@@ -26,7 +26,8 @@ const char* const s_format = "%s at %g m/s, step %d: %d pairs";
 void CheckThrow(qcShapeScene& scene, double speed, int steps)
 {
     scene.cloth->setVelocity(btVector3(0, btScalar(-speed), 0));
-    qcPassOracle oracle(scene.cloth, scene.body, scene.model.model);
+    qcMotionOracle oracle;
+    scene.Watch(oracle);
     const btScalar energy = scene.Energy();
     int contacts = 0, surfaces = 0;
     for (int step = 0; step < steps; step++)
@@ -83,7 +84,9 @@ START_TEST(thrown_cloth_passes_no_shape_in_the_deformable_world)
     test.world->addForce(cloth, &gravity);
     test.cloths.push_back(cloth);
     cloth->setVelocity(btVector3(0, -20, 0));
-    qcPassOracle oracle(cloth, &body, model.model);
+    qcMotionOracle oracle;
+    oracle.Add([cloth] { return qcSoupOf(cloth); });
+    oracle.Add(model.model, &body);
     int contacts = 0;
     for (int step = 0; step < 15; step++)
     {
@@ -138,7 +141,8 @@ START_TEST(thrown_cloth_passes_with_bullets_contacts_of_nodes)
         qcShapeScene scene(kind);
         scene.UseBulletsContacts();
         scene.cloth->setVelocity(btVector3(0, -20, 0));
-        qcPassOracle oracle(scene.cloth, scene.body, scene.model.model);
+        qcMotionOracle oracle;
+        scene.Watch(oracle);
         size_t inside = 0;
         for (int step = 0; step < 12; step++)
         {
@@ -161,11 +165,13 @@ btScalar RestingEnergy(qcShapeScene& scene, bool isOurs)
     scene.cloth->m_cfg.kDP = btScalar(0.005);
     btScalar sum = 0;
     const int steps = qcIsLongForm() ? 480 : 240;
+    qcMotionOracle oracle;
+    scene.Watch(oracle);
     for (int step = 0; step < steps; step++)
     {
         scene.Step();
         if (isOurs)
-            ck_assert_uint_eq(scene.CountPenetratingNow(), 0);
+            ck_assert_uint_eq(oracle.CountNow(), 0);
         if (step >= steps - 60)
             sum += scene.KineticEnergy() / 60;
     }
@@ -239,7 +245,8 @@ START_TEST(cloth_and_a_free_shape_keep_momentum)
     scene.cloth->setVelocity(btVector3(1, -20, 0));
     const btVector3 before = qcMomentumOf(scene.cloth);
     const btScalar energy = scene.KineticEnergy();
-    qcPassOracle oracle(scene.cloth, scene.body, scene.model.model);
+    qcMotionOracle oracle;
+    scene.Watch(oracle);
     for (int step = 0; step < 20; step++)
     {
         scene.Step();
@@ -263,7 +270,8 @@ START_TEST(a_kinematic_shape_takes_cloth_along_at_20_metres_a_second)
     scene.body->setActivationState(DISABLE_DEACTIVATION);
     scene.world.addRigidBody(scene.body);
     scene.Step();
-    qcPassOracle oracle(scene.cloth, scene.body, scene.model.model);
+    qcMotionOracle oracle;
+    scene.Watch(oracle);
     for (int step = 0; step < 15; step++)
     {
         btTransform place = scene.body->getWorldTransform();
@@ -288,7 +296,8 @@ START_TEST(cloth_slides_along_a_plane_for_any_distance)
         settings.friction = 0;
         scene.softSolver.setSettings(scene.cloth, settings);
         scene.cloth->setVelocity(btVector3(20, -5, 0));
-        qcPassOracle oracle(scene.cloth, scene.body, scene.model.model);
+        qcMotionOracle oracle;
+        scene.Watch(oracle);
         for (int step = 0; step < 60; step++)
         {
             scene.Step();

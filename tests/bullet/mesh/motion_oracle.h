@@ -1,0 +1,139 @@
+// An independent check that bodies don't meet within steps: exact tests at moments of the linear motion of vertices.
+#ifndef QC_TESTS_BULLET_MESH_MOTION_ORACLE_H
+#define QC_TESTS_BULLET_MESH_MOTION_ORACLE_H
+
+#include "bullet/mesh/mesh_models.h"
+
+#include "quickcullide/scene.h"
+
+#include <algorithm>
+#include <functional>
+#include <utility>
+#include <vector>
+
+// After the standard headers: check defines a macro named fail.
+#include "support/suite.h"
+
+struct qcSoup
+{
+    std::vector<double> positions; ///< world space
+    std::vector<uint32_t> indices;
+
+    void Add(const btVector3& point)
+    {
+        positions.insert(positions.end(), {double(point.x()), double(point.y()), double(point.z())});
+    }
+};
+
+inline qcSoup qcSoupOf(const qcModel& model, const btTransform& transform)
+{
+    qcSoup soup;
+    for (size_t i = 0; i < model.positions.size(); i += 3)
+        soup.Add(transform * btVector3(model.positions[i], model.positions[i + 1], model.positions[i + 2]));
+    soup.indices = model.indices;
+    return soup;
+}
+
+/// Remembers where bodies were, and counts pairs of triangles of different bodies that penetrate on the way to where
+/// they are. One scene serves all moments: a scene's first query takes several times as long as a later one.
+class qcMotionOracle
+{
+  public:
+    static constexpr int s_moments = 16;
+
+    qcMotionOracle()
+    {
+        qcSceneDef def = qcDefaultSceneDef();
+        ck_assert_int_eq(qcScene_Create(&def, &m_scene), qc_statusOk);
+    }
+    ~qcMotionOracle()
+    {
+        qcScene_Destroy(m_scene);
+    }
+    qcMotionOracle(const qcMotionOracle&) = delete;
+    qcMotionOracle& operator=(const qcMotionOracle&) = delete;
+
+    /// `now` returns the body's triangles where they are.
+    void Add(std::function<qcSoup()> now)
+    {
+        Body body{std::move(now), {}, {}};
+        qcSoup soup = body.now();
+        qcBodyDef def = qcDefaultBodyDef();
+        def.positions = soup.positions.data();
+        def.positionType = qc_positionF64;
+        def.vertexCount = uint32_t(soup.positions.size() / 3);
+        def.indices = soup.indices.data();
+        def.triangleCount = uint32_t(soup.indices.size() / 3);
+        def.deforming = true;
+        def.selfCollision = false;
+        ck_assert_int_eq(qcScene_AddBody(m_scene, &def, &body.id), qc_statusOk);
+        body.start = std::move(soup.positions);
+        m_bodies.push_back(std::move(body));
+    }
+
+    void Add(const qcModel& model, const btCollisionObject* object)
+    {
+        Add([&model, object] { return qcSoupOf(model, object->getWorldTransform()); });
+    }
+
+    /// The largest count at any moment since the last call; the last moment is the present, and a new start.
+    size_t Count()
+    {
+        return CountOver(s_moments);
+    }
+
+    /// The count at present, which is a new start.
+    size_t CountNow()
+    {
+        return CountOver(1);
+    }
+
+  private:
+    struct Body
+    {
+        std::function<qcSoup()> now;
+        qcBodyId id;
+        std::vector<double> start;
+    };
+
+    size_t CountOver(int moments)
+    {
+        std::vector<std::vector<double>> ends;
+        for (const Body& body : m_bodies)
+            ends.push_back(body.now().positions);
+        size_t count = 0;
+        for (int k = 1; k <= moments; k++)
+        {
+            for (size_t i = 0; i < m_bodies.size(); i++)
+                if (m_bodies[i].start != ends[i])
+                    Move(m_bodies[i], ends[i], double(k) / moments);
+            count = std::max(count, CountPenetrating());
+        }
+        for (size_t i = 0; i < m_bodies.size(); i++)
+            m_bodies[i].start = std::move(ends[i]);
+        return count;
+    }
+
+    void Move(const Body& body, const std::vector<double>& end, double time)
+    {
+        std::vector<double> positions(end.size());
+        for (size_t i = 0; i < end.size(); i++)
+            positions[i] = (1 - time) * body.start[i] + time * end[i];
+        ck_assert_int_eq(qcScene_SetVertices(m_scene, body.id, positions.data(), qc_positionF64, 0), qc_statusOk);
+    }
+
+    size_t CountPenetrating()
+    {
+        qcDetectDef def = qcDefaultDetectDef();
+        def.method = qc_methodSweep;
+        def.threads = 1;
+        const qcResult* result = nullptr;
+        ck_assert_int_eq(qcScene_Detect(m_scene, &def, &result), qc_statusOk);
+        return result->pairCount;
+    }
+
+    qcScene* m_scene = nullptr;
+    std::vector<Body> m_bodies;
+};
+
+#endif
