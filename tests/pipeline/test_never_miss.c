@@ -50,8 +50,7 @@ static void Move(double corners[3][3], const double by[3], double sign)
 
 static void MoveToOrigin(qcTrianglePair* pair)
 {
-    double corner[3];
-    memcpy(corner, pair->a[0], sizeof corner);
+    const double corner[3] = {pair->a[0][0], pair->a[0][1], pair->a[0][2]};
     Move(pair->a, corner, -1);
     Move(pair->b, corner, -1);
 }
