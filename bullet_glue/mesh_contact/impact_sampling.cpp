@@ -15,8 +15,6 @@ namespace
 constexpr btScalar s_slow = btScalar(0.05);
 // Enough for bodies that pass each other by the radius of the smaller one.
 constexpr int s_maxSamples = 16;
-// Upper bound of the length of a chain of bodies that stop each other.
-constexpr int s_maxPasses = 16;
 // Samples search this part of the query's distance: what is further away is nearer at the next sample. Most of a
 // sample's time goes to pairs of triangles that are near, but don't touch.
 constexpr btScalar s_queryDistance = btScalar(0.5);
@@ -298,7 +296,7 @@ qcStatus qcImpactSampler::Sample(qcScene* scene, const qcDetectDef& def)
     m_stopTimes.assign(m_meshes.size(), BT_LARGE_FLOAT);
     qcDetectDef sampleDef = SampleDef(def);
     qcStatus status = RunPass(scene, sampleDef);
-    for (int pass = 1; pass < s_maxPasses && status == qc_statusOk && SelectPairs(false); pass++)
+    for (int pass = 1; pass < qcMaxStops && status == qc_statusOk && SelectPairs(false); pass++)
         status = RunPass(scene, sampleDef);
     qcStatus restored = SetTransforms(scene, 0);
     return status == qc_statusOk ? restored : status;

@@ -15,8 +15,6 @@ constexpr btScalar s_faceSlack = btScalar(0.02);
 // Bodies that move in a step by no more than the threshold, or than this part of the smaller one, stop others. Two that
 // turn by more touch elsewhere than where they are nearest.
 constexpr btScalar s_maxTurn = btScalar(0.05);
-// Upper bound of the length of a chain of bodies that stop each other.
-constexpr int s_maxPasses = 16;
 
 /// How fast two meshes approach each other: the motion of one relative to the other, where the smaller one is.
 struct Approach
@@ -193,7 +191,7 @@ bool qcPlanePairs::FollowLink(Link* link)
 void qcPlanePairs::End()
 {
     bool changes = true;
-    for (int pass = 0; pass < s_maxPasses && changes; pass++)
+    for (int pass = 0; pass < qcMaxStops && changes; pass++)
     {
         changes = false;
         for (Link& link : m_links)

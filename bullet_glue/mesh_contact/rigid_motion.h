@@ -4,6 +4,9 @@
 
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 
+/// Upper bound of the length of a chain of bodies that stop each other in a step.
+constexpr int qcMaxStops = 16;
+
 /// Velocities of the points of a rigid body.
 struct qcRigidMotion
 {

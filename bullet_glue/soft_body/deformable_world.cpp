@@ -11,7 +11,7 @@
 namespace
 {
 /// Writes the positions of the nodes that contacts moved, their velocities, and what Bullet derives from positions.
-void MoveNodes(const qcSceneSoftBody& soft, btScalar timeStep)
+void MoveDeformableNodes(const qcSceneSoftBody& soft, btScalar timeStep)
 {
     bool moved = false;
     soft.ForEachMoved(
@@ -79,5 +79,5 @@ void qcDeformableWorld::integrateTransforms(btScalar timeStep)
     if (!my.Resolve(timeStep))
         return;
     for (const qcSceneSoftBody& soft : my.scene.Bodies())
-        MoveNodes(soft, timeStep);
+        MoveDeformableNodes(soft, timeStep);
 }

@@ -245,6 +245,27 @@ include='^[[:space:]]*#[[:space:]]*include[[:space:]]*'
         $(find include -name '*.h' ! -name 'bullet*')
 }
 
+# Files of a folder that are compiled together (qc_compile_together): the compiler takes two functions of unnamed
+# namespaces that share a name for overloads, and a call may then reach the other file's.
+# shellcheck disable=SC2044 # Folders have plain names.
+for folder in $(find bullet_glue demos/bench demos/view demos/breaking demos/fracture demos/common/bullet -type d \
+    ! -path bullet_glue/fracture); do
+    shared=$(for file in "$folder"/*.cpp; do
+        [ ! -f "$file" ] || awk '
+            /^namespace$/ { inside = 1; next }
+            /^}/ && / namespace$/ { inside = 0 }
+            inside && /^[A-Za-z].*[ *&][A-Za-z_0-9]+\(/ && !/^(class|struct|enum|constexpr|const|static|using|template) / {
+                sub(/\(.*/, "")
+                sub(/.*[ *&]/, "")
+                print
+            }' "$file" | sort -u
+    done | sort | uniq -d)
+    if [ -n "$shared" ]; then
+        echo "$folder: several files have functions of these names in unnamed namespaces: $shared"
+        broken=1
+    fi
+done
+
 # What .gitignore names may lie about too.
 for entry in * .[!.]*; do
     case $entry in

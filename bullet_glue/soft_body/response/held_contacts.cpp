@@ -11,8 +11,6 @@ namespace
 {
 // The rigid point's share of a correction. From its displacement the sum of all corrections is read.
 constexpr btScalar s_pointShare = btScalar(0.01);
-// The share of a missing gap that one step restores, as in contacts.
-constexpr btScalar s_recovery = btScalar(0.2);
 // The share of the thickness at which contacts are held: at the whole thickness, rounding would decide in each step
 // whether they are found again.
 constexpr btScalar s_heldShare = btScalar(0.98);
@@ -158,7 +156,7 @@ void qcHeldContacts::Insert(qcSoftBodyScene& scene)
         m_nodes[i].m_x = inserted.end;
         btScalar gap = inserted.normal.dot(StartOf(*inserted.soft, *inserted.contact) - inserted.start);
         const btScalar held = s_heldShare * inserted.contact->thickness;
-        btScalar distance = gap < held ? gap + s_recovery * (held - gap) : held;
+        btScalar distance = gap < held ? gap + qcGapRecovery * (held - gap) : held;
         btSoftBody::SContact contact;
         Fill(*inserted.soft, *inserted.contact, inserted.normal, distance, &m_nodes[i], &m_faces[i], &contact);
         inserted.soft->body->m_scontacts.push_back(contact);

@@ -13,10 +13,6 @@
 
 namespace
 {
-// The share of a gap missing at the start of the step that one step restores. The whole gap at once would throw the
-// surfaces apart, since positions become velocities.
-constexpr btScalar s_recovery = btScalar(0.2);
-
 void AddNodes(qcSceneSoftBody& body, const uint32_t vertices[3], const double weights[3], btScalar sign,
               qcSoftConstraint* constraint)
 {
@@ -103,7 +99,7 @@ void Orient(btScalar thickness, const btVector3& normal, qcSoftConstraint* const
         startDistance = -startDistance;
     }
     constraint->distance =
-        startDistance >= thickness ? thickness : startDistance + s_recovery * (thickness - startDistance);
+        startDistance >= thickness ? thickness : startDistance + qcGapRecovery * (thickness - startDistance);
 }
 
 btVector3 PointOf(const qcSceneSoftBody& soft, const uint32_t vertices[3], const double weights[3])

@@ -6,6 +6,10 @@
 #include "soft_body/response/rope_links.h"
 #include "soft_body/response/tangles.h"
 
+/// The share of a gap missing at the start of the step that one step restores. The whole gap at once would throw the
+/// surfaces apart, since positions become velocities.
+constexpr btScalar qcGapRecovery = btScalar(0.2);
+
 /// A contact of the result with its bodies. Side A is a soft body; side B another one, the same one, or a mesh.
 struct qcSoftContactView
 {

@@ -8,8 +8,8 @@
 
 namespace
 {
-void Add(qcSceneSoftBody& soft, const btSoftBody::Node* node, const btSoftBody::sCti& contact,
-         std::vector<qcRigidNodeContact>* contacts)
+void AddNodeContact(qcSceneSoftBody& soft, const btSoftBody::Node* node, const btSoftBody::sCti& contact,
+                    std::vector<qcRigidNodeContact>* contacts)
 {
     if (!soft.moves || node->m_im <= 0)
         return;
@@ -25,12 +25,12 @@ void qcCollectRigidNodeContacts(qcSoftBodyScene& scene, std::vector<qcRigidNodeC
     {
         const btSoftBody& body = *soft.body;
         for (int i = 0; i < body.m_rcontacts.size(); i++)
-            Add(soft, body.m_rcontacts[i].m_node, body.m_rcontacts[i].m_cti, contacts);
+            AddNodeContact(soft, body.m_rcontacts[i].m_node, body.m_rcontacts[i].m_cti, contacts);
         for (int i = 0; i < body.m_nodeRigidContacts.size(); i++)
-            Add(soft, body.m_nodeRigidContacts[i].m_node, body.m_nodeRigidContacts[i].m_cti, contacts);
+            AddNodeContact(soft, body.m_nodeRigidContacts[i].m_node, body.m_nodeRigidContacts[i].m_cti, contacts);
         for (int i = 0; i < body.m_faceRigidContacts.size(); i++)
             for (btSoftBody::Node* node : body.m_faceRigidContacts[i].m_face->m_n)
-                Add(soft, node, body.m_faceRigidContacts[i].m_cti, contacts);
+                AddNodeContact(soft, node, body.m_faceRigidContacts[i].m_cti, contacts);
     }
 }
 

@@ -13,7 +13,7 @@ namespace
 // A tensor of inertia is inverted if its determinant, relative to its trace cubed, is at least this.
 constexpr btScalar s_minDeterminant = btScalar(1e-4);
 // Relative rounding of a transformed point, with room.
-constexpr btScalar s_rounding = 64 * SIMD_EPSILON;
+constexpr btScalar s_roundingBound = 64 * SIMD_EPSILON;
 
 btTransform Translation(const btVector3& by)
 {
@@ -261,7 +261,7 @@ btScalar qcSoftZones::DeviationOf(uint32_t slot, uint32_t triangle, const btTran
             deviation = std::max(deviation, (motion * soft->start[node]).distance(soft->positions[node]));
             size = std::max(size, soft->start[node].length() + soft->positions[node].length());
         }
-        return deviation + s_rounding * size;
+        return deviation + s_roundingBound * size;
     }
     qcSceneRigid* rigid = nullptr;
     const qcSceneMesh* mesh = m_scene.meshes.Find(slot, &rigid);
@@ -269,7 +269,7 @@ btScalar qcSoftZones::DeviationOf(uint32_t slot, uint32_t triangle, const btTran
     deviation = qcMaxDisplacement(mesh->shape, motion * start * mesh->local, now * mesh->local);
     size += start.getOrigin().length() + now.getOrigin().length() +
             2 * rigid->object->getCollisionShape()->getAngularMotionDisc();
-    return deviation + s_rounding * size;
+    return deviation + s_roundingBound * size;
 }
 
 /// The zone in which all of both triangles was in the last Move, or s_none.
@@ -296,7 +296,7 @@ bool qcSoftZones::KeepsApart(const qcPair& pair, btScalar distance) const
     const btTransform& motion = m_motions[zone];
     const btMatrix3x3& basis = motion.getBasis();
     btScalar cosine = (basis[0][0] + basis[1][1] + basis[2][2] - 1) / 2;
-    btScalar minStretch = btSqrt(std::max(btScalar(0), (1 + cosine) / 2)) - s_rounding;
+    btScalar minStretch = btSqrt(std::max(btScalar(0), (1 + cosine) / 2)) - s_roundingBound;
     return distance * minStretch >
            DeviationOf(pair.bodyA, pair.triangleA, motion) + DeviationOf(pair.bodyB, pair.triangleB, motion);
 }

@@ -8,7 +8,7 @@
 
 namespace
 {
-void Add(qcSceneSoftBody& soft, const btSoftBody::Link& link, std::vector<qcSoftLink>* links)
+void AddLink(qcSceneSoftBody& soft, const btSoftBody::Link& link, std::vector<qcSoftLink>* links)
 {
     // Bullet prepares m_c0 and m_c1 at the beginning of the step.
     if (link.m_c0 <= 0)
@@ -28,7 +28,7 @@ void qcCollectLinks(qcSoftBodyScene& scene, std::vector<qcSoftLink>* links)
         if (!soft.moves || !soft.inContact)
             continue;
         for (const auto& link : soft.topology.looseLinks)
-            Add(soft, soft.body->m_links[link.first], links);
+            AddLink(soft, soft.body->m_links[link.first], links);
     }
 }
 

@@ -297,7 +297,7 @@ template <typename Function> void ForEachMoved(const Field& field, const btVecto
             function(*soft, field.nodes[i], by * field.shares[i]);
 }
 
-btScalar ThicknessOf(const qcIntersectionCurve& curve)
+btScalar CurveThickness(const qcIntersectionCurve& curve)
 {
     btScalar sum = 0;
     for (const qcCurveSide& side : curve.sides)
@@ -378,7 +378,7 @@ Shift MakeShift(const qcUntanglement& tangle, std::vector<uint32_t>* hops)
                      : tangle.hasPart[tangle.side]
                          ? DepthOf(sides[tangle.side], hops)
                          : uint32_t(sides[0].crossings.size() + sides[1].crossings.size()) / 2;
-    Shift shift = {Fields(tangle, reach, hops), btVector3(0, 0, 0), ThicknessOf(*tangle.curve)};
+    Shift shift = {Fields(tangle, reach, hops), btVector3(0, 0, 0), CurveThickness(*tangle.curve)};
     btScalar motion = StopTangling(tangle, shift.fields);
     if (tangle.hasPart[tangle.side] && sides[0].slot != sides[1].slot)
         shift.fields = Fields(tangle, std::max(s_partReach, s_reachPerDepth * reach), hops);

@@ -2,6 +2,7 @@
 #include "soft_body/scene/object_starts.h"
 
 #include "common/object_motion.h"
+#include "soft_body/scene/objects_in_box.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
@@ -15,33 +16,17 @@ bool IsDynamic(const btCollisionObject* object)
 }
 
 /// Calls function(object, broadphase) for each object of the broadphases that is not a soft body.
-template <typename Function> struct ObjectCallback : btBroadphaseAabbCallback
-{
-    ObjectCallback(btBroadphaseInterface* visited, const Function& called) : broadphase(visited), function(called)
-    {
-    }
-
-    bool process(const btBroadphaseProxy* proxy) override
-    {
-        auto* object = static_cast<btCollisionObject*>(proxy->m_clientObject);
-        if (object->getInternalType() != btCollisionObject::CO_SOFT_BODY)
-            function(object, broadphase);
-        return true;
-    }
-
-    btBroadphaseInterface* broadphase;
-    const Function& function;
-};
-
 template <typename Function>
 void ForEachObject(const std::set<btBroadphaseInterface*>& broadphases, const Function& function)
 {
     const btVector3 far(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
     for (btBroadphaseInterface* broadphase : broadphases)
-    {
-        ObjectCallback<Function> callback(broadphase, function);
-        broadphase->aabbTest(-far, far, callback);
-    }
+        qcForEachObjectIn(broadphase, -far, far,
+                          [&](btCollisionObject* object)
+                          {
+                              if (object->getInternalType() != btCollisionObject::CO_SOFT_BODY)
+                                  function(object, broadphase);
+                          });
 }
 } // namespace
 

@@ -5,6 +5,7 @@
 #include "common/object_key.h"
 #include "common/shape_triangles.h"
 #include "common/weld_vertices.h"
+#include "soft_body/scene/objects_in_box.h"
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
 #include <LinearMath/btTransformUtil.h>
@@ -55,32 +56,6 @@ bool MayHaveMeshes(const btCollisionObject* object, bool withSurfaces)
 {
     const btCollisionShape* shape = object->getCollisionShape();
     return shape->isCompound() || qcAsMeshShape(shape) != nullptr || (withSurfaces && qcHasSurface(shape));
-}
-
-/// Calls function(object) for each proxy that it gets.
-template <typename Function> class ObjectCallback : public btBroadphaseAabbCallback
-{
-  public:
-    explicit ObjectCallback(const Function& function) : m_function(function)
-    {
-    }
-
-    bool process(const btBroadphaseProxy* proxy) override
-    {
-        m_function(static_cast<btCollisionObject*>(proxy->m_clientObject));
-        return true;
-    }
-
-  private:
-    const Function& m_function;
-};
-
-template <typename Function>
-void ForEachIn(btBroadphaseInterface* broadphase, const btVector3& lower, const btVector3& upper,
-               const Function& function)
-{
-    ObjectCallback<Function> callback(function);
-    broadphase->aabbTest(lower, upper, callback);
 }
 
 qcStatus AddMeshes(qcScene* scene, qcSceneRigid* rigid)
@@ -185,7 +160,7 @@ void qcSoftBodyMeshes::CollectOverlapping(btBroadphaseInterface* broadphase, con
             m_overlaps.push_back({object, withSurfaces, {lower, upper}});
     };
     if (m_candidates.size() > s_maxCompared)
-        ForEachIn(broadphase, lower, upper, add);
+        qcForEachObjectIn(broadphase, lower, upper, add);
     else
         for (const qcObjectStarts::Present& present : m_candidates)
         {

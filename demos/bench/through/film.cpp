@@ -107,7 +107,7 @@ Film ReadBefore()
 }
 
 /// Positions at a picture's time: straight lines from the start of its step to the end.
-std::vector<float> At(const Film& film, size_t picture, size_t picturesPerStep)
+std::vector<float> PictureAt(const Film& film, size_t picture, size_t picturesPerStep)
 {
     size_t step = picture / picturesPerStep;
     float t = float(picture % picturesPerStep) / float(picturesPerStep);
@@ -149,8 +149,8 @@ bool DrawAll(qcDevice* device, const char* folder, size_t picturesPerStep, std::
     {
         char name[32];
         std::snprintf(name, sizeof name, "/frame_%04zu.png", picture);
-        if (!Draw(device, At(before, picture, picturesPerStep), topology, 0, &image, message) ||
-            !Draw(device, At(now, picture, picturesPerStep), topology, s_halfWidth, &image, message) ||
+        if (!Draw(device, PictureAt(before, picture, picturesPerStep), topology, 0, &image, message) ||
+            !Draw(device, PictureAt(now, picture, picturesPerStep), topology, s_halfWidth, &image, message) ||
             !qcWritePng(std::string(folder) + name, image, 2 * s_halfWidth, s_height, message))
             return false;
     }

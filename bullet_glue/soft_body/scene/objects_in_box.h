@@ -1,0 +1,31 @@
+// The objects of a broadphase in a box.
+#ifndef QC_GLUE_SOFT_BODY_SCENE_OBJECTS_IN_BOX_H
+#define QC_GLUE_SOFT_BODY_SCENE_OBJECTS_IN_BOX_H
+
+#include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+
+/// Calls function(object) for each object whose box in the broadphase overlaps a box.
+template <typename Function>
+void qcForEachObjectIn(btBroadphaseInterface* broadphase, const btVector3& lower, const btVector3& upper,
+                       const Function& function)
+{
+    struct Callback : btBroadphaseAabbCallback
+    {
+        explicit Callback(const Function& called) : function(called)
+        {
+        }
+
+        bool process(const btBroadphaseProxy* proxy) override
+        {
+            function(static_cast<btCollisionObject*>(proxy->m_clientObject));
+            return true;
+        }
+
+        const Function& function;
+    };
+    Callback callback(function);
+    broadphase->aabbTest(lower, upper, callback);
+}
+
+#endif
