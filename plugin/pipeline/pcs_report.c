@@ -3,7 +3,7 @@
 
 #include "base/status.h"
 
-/// The bitmaps. By value: the compiler then knows that no mark changes a pointer.
+/// The bitmaps. By value, so that no mark can change a pointer.
 typedef struct Marks
 {
     uint64_t *bits, *groups;
