@@ -12,10 +12,10 @@
 class qcSupportMesh
 {
   public:
-    /// O(triangles * faces).
+    /// O(triangles * faces of similar direction).
     explicit qcSupportMesh(const btCollisionShape* shape);
 
-    /// The mesh has few enough triangles that searching all of its vertices is quicker than any tree.
+    /// The mesh has few enough triangles that contact by the hulls of two is worth a search of all vertices.
     static bool IsSmall(size_t triangleCount);
 
     /// The largest product of a vertex with the direction. O(vertices).

@@ -87,7 +87,7 @@ void qcPlaneContact::Read(const qcPlacedSupport& placed, const btVector3& outwar
         side->isNear[vertex] = 0;
 }
 
-void qcPlaneContact::AddPoint(const Flat& onA, const Flat& onB, uint32_t triangleA, uint32_t triangleB)
+void qcPlaneContact::AddPoint(const qcFlat& onA, const qcFlat& onB, uint32_t triangleA, uint32_t triangleB)
 {
     btScalar distance = onB.height - onA.height;
     if (!(distance <= m_distance))
@@ -104,12 +104,12 @@ void qcPlaneContact::AddPoint(const Flat& onA, const Flat& onB, uint32_t triangl
 }
 
 /// The height of a triangle at a place along the plane. False: the place is beside the triangle.
-bool qcPlaneContact::FindHeight(const Triangle& triangle, const Flat& place, btScalar* height)
+bool qcPlaneContact::FindHeight(const Triangle& triangle, const qcFlat& place, btScalar* height)
 {
     btScalar weights[3], sum = 0;
     for (int c = 0; c < 3; c++)
     {
-        const Flat &p = triangle.corners[(c + 1) % 3], &q = triangle.corners[(c + 2) % 3];
+        const qcFlat &p = triangle.corners[(c + 1) % 3], &q = triangle.corners[(c + 2) % 3];
         weights[c] = (p.u - place.u) * (q.v - place.v) - (p.v - place.v) * (q.u - place.u);
         sum += weights[c];
     }
@@ -122,16 +122,52 @@ bool qcPlaneContact::FindHeight(const Triangle& triangle, const Flat& place, btS
     return inside;
 }
 
+void qcFlatBoxes::Clear()
+{
+    m_boxes.clear();
+    m_widest = 0;
+}
+
+void qcFlatBoxes::Add(std::initializer_list<qcFlat> corners)
+{
+    qcFlatBox box(corners);
+    box.number = uint32_t(m_boxes.size());
+    m_widest = std::max(m_widest, box.highU - box.lowU);
+    m_boxes.push_back(box);
+}
+
+void qcFlatBoxes::Sort()
+{
+    std::sort(m_boxes.begin(), m_boxes.end(), [](const qcFlatBox& a, const qcFlatBox& b) { return a.lowU < b.lowU; });
+}
+
+const std::vector<uint32_t>& qcFlatBoxes::FindNear(const qcFlatBox& box, btScalar slack)
+{
+    m_found.clear();
+    auto isBefore = [](const qcFlatBox& some, btScalar u) { return some.lowU < u; };
+    auto near = std::lower_bound(m_boxes.begin(), m_boxes.end(), box.lowU - slack - m_widest, isBefore);
+    for (; near != m_boxes.end() && near->lowU <= box.highU + slack; ++near)
+        if (near->highU >= box.lowU - slack && near->lowV <= box.highV + slack && near->highV >= box.lowV - slack)
+            m_found.push_back(near->number);
+    std::sort(m_found.begin(), m_found.end());
+    return m_found;
+}
+
 /// Adds the vertices of one side that lie over the other.
 void qcPlaneContact::AddVertices(const Side& vertices, const Side& triangles, bool ofA)
 {
+    m_boxes.Clear();
+    for (const Triangle& triangle : triangles.triangles)
+        m_boxes.Add({triangle.corners[0], triangle.corners[1], triangle.corners[2]});
+    m_boxes.Sort();
     for (const Vertex& vertex : vertices.vertices)
     {
         // The layer next to the plane.
         const Triangle* nearest = nullptr;
-        Flat below = vertex.place;
-        for (const Triangle& triangle : triangles.triangles)
+        qcFlat below = vertex.place;
+        for (uint32_t number : m_boxes.FindNear({vertex.place}, m_slack))
         {
+            const Triangle& triangle = triangles.triangles[number];
             btScalar height;
             if (!FindHeight(triangle, vertex.place, &height) ||
                 (nearest != nullptr && (ofA ? height >= below.height : height <= below.height)))
@@ -146,24 +182,32 @@ void qcPlaneContact::AddVertices(const Side& vertices, const Side& triangles, bo
     }
 }
 
-/// Adds the places where edges of both sides cross, as seen along the axis.
+/// Adds the place where two edges cross, as seen along the axis.
+void qcPlaneContact::AddCrossing(const Edge& p, const Edge& q)
+{
+    btScalar pu = p.to.u - p.from.u, pv = p.to.v - p.from.v, qu = q.to.u - q.from.u, qv = q.to.v - q.from.v;
+    btScalar cross = pu * qv - pv * qu, du = q.from.u - p.from.u, dv = q.from.v - p.from.v;
+    if (cross == 0)
+        return;
+    btScalar s = (du * qv - dv * qu) / cross, t = (du * pv - dv * pu) / cross;
+    if (!(s >= 0 && s <= 1 && t >= 0 && t <= 1))
+        return;
+    qcFlat onA{p.from.u + s * pu, p.from.v + s * pv, p.from.height + s * (p.to.height - p.from.height)};
+    qcFlat onB = onA;
+    onB.height = q.from.height + t * (q.to.height - q.from.height);
+    AddPoint(onA, onB, p.triangle, q.triangle);
+}
+
+/// Adds the places where edges of both sides cross.
 void qcPlaneContact::AddCrossings()
 {
-    for (const Edge& p : m_a.edges)
-        for (const Edge& q : m_b.edges)
-        {
-            btScalar pu = p.to.u - p.from.u, pv = p.to.v - p.from.v, qu = q.to.u - q.from.u, qv = q.to.v - q.from.v;
-            btScalar cross = pu * qv - pv * qu, du = q.from.u - p.from.u, dv = q.from.v - p.from.v;
-            if (cross == 0)
-                continue;
-            btScalar s = (du * qv - dv * qu) / cross, t = (du * pv - dv * pu) / cross;
-            if (!(s >= 0 && s <= 1 && t >= 0 && t <= 1))
-                continue;
-            Flat onA{p.from.u + s * pu, p.from.v + s * pv, p.from.height + s * (p.to.height - p.from.height)};
-            Flat onB = onA;
-            onB.height = q.from.height + t * (q.to.height - q.from.height);
-            AddPoint(onA, onB, p.triangle, q.triangle);
-        }
+    m_boxes.Clear();
+    for (const Edge& edge : m_b.edges)
+        m_boxes.Add({edge.from, edge.to});
+    m_boxes.Sort();
+    for (const Edge& edge : m_a.edges)
+        for (uint32_t number : m_boxes.FindNear({edge.from, edge.to}, m_slack))
+            AddCrossing(edge, m_b.edges[number]);
 }
 
 /// Adds the closest points of the hulls if they are points of the meshes. False: they are not.
@@ -203,6 +247,7 @@ bool qcPlaneContact::Find(const qcPlacedSupport& a, const qcPlacedSupport& b, co
     btPlaneSpace1(m_axis, m_u, m_v);
     m_origin = a.transform.getOrigin();
     m_distance = distance;
+    m_slack = qcGapError(a, b);
     m_trianglesA = &a.mesh->Triangles();
     m_trianglesB = &b.mesh->Triangles();
     m_points.clear();

@@ -338,6 +338,65 @@ START_TEST(a_body_in_the_mouth_of_another_has_no_points_in_the_air)
     ck_assert(points.empty());
 }
 END_TEST
+
+START_TEST(boxes_near_a_box_are_found_in_their_order)
+{
+    auto randomPoint = [](btScalar extent) { return qcFlat{Random(0, extent), Random(0, extent), 0}; };
+    qcFlatBoxes boxes;
+    for (int run = 0; run < s_runs; run++)
+    {
+        std::vector<qcFlatBox> all;
+        boxes.Clear();
+        for (int i = 0; i < run; i++)
+        {
+            // Every fourth one is long.
+            qcFlat from = randomPoint(1), to = randomPoint(1);
+            if (i % 4 != 0)
+                to = {from.u + to.u / 20, from.v + to.v / 20, 0};
+            boxes.Add({from, to});
+            all.push_back(qcFlatBox({from, to}));
+        }
+        boxes.Sort();
+        qcFlatBox box({randomPoint(1), randomPoint(1)});
+        const btScalar slack = run % 2 == 0 ? btScalar(0) : btScalar(0.01);
+        std::vector<uint32_t> near;
+        for (uint32_t i = 0; i < all.size(); i++)
+            if (all[i].lowU <= box.highU + slack && all[i].highU >= box.lowU - slack &&
+                all[i].lowV <= box.highV + slack && all[i].highV >= box.lowV - slack)
+                near.push_back(i);
+        ck_assert(boxes.FindNear(box, slack) == near);
+    }
+}
+END_TEST
+
+START_TEST(faces_are_the_largest_sets_of_parallel_triangles)
+{
+    // A cut body has a few large flat faces and a skin of many directions.
+    qcModel model = qcSphereModel(0.5, 4);
+    model.Append(qcBoxModel(btVector3(1, btScalar(0.3), btScalar(0.6)), 12));
+    Placed placed(model, btTransform::getIdentity());
+    const qcSupportMesh& mesh = *placed.mesh;
+    std::vector<std::pair<btVector3, btVector3>> sums; // the first normal of a face, and the sum of its areas
+    for (uint32_t t = 0; t < mesh.Triangles().count; t++)
+    {
+        const uint32_t* index = mesh.Triangles().indices + 3 * size_t(t);
+        const btVector3* points = mesh.Triangles().points;
+        btVector3 cross = (points[index[1]] - points[index[0]]).cross(points[index[2]] - points[index[0]]);
+        auto same =
+            std::find_if(sums.rbegin(), sums.rend(),
+                         [&](const auto& face) { return face.first.dot(mesh.Normals()[t]) > btScalar(0.99999); });
+        if (same != sums.rend())
+            same->second += cross;
+        else
+            sums.emplace_back(mesh.Normals()[t], cross);
+    }
+    std::stable_sort(sums.begin(), sums.end(),
+                     [](const auto& a, const auto& b) { return a.second.length2() > b.second.length2(); });
+    ck_assert_uint_gt(sums.size(), mesh.Faces().size());
+    for (size_t i = 0; i < mesh.Faces().size(); i++)
+        ck_assert(mesh.Faces()[i].normal == sums[i].second.normalized());
+}
+END_TEST
 } // namespace
 
 QC_RUN_TESTS("separating planes", the_gap_of_convex_meshes_is_their_distance, no_axis_has_a_gap_beyond_the_distance,
@@ -347,4 +406,5 @@ QC_RUN_TESTS("separating planes", the_gap_of_convex_meshes_is_their_distance, no
              points_lie_on_both_meshes_and_one_is_where_they_are_nearest,
              boxes_cut_from_one_touch_at_corners_of_the_cut,
              boxes_that_are_apart_overlap_or_have_no_common_corners_do_not_touch,
-             a_body_in_the_mouth_of_another_has_no_points_in_the_air)
+             a_body_in_the_mouth_of_another_has_no_points_in_the_air, boxes_near_a_box_are_found_in_their_order,
+             faces_are_the_largest_sets_of_parallel_triangles)

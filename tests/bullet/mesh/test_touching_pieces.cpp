@@ -154,13 +154,37 @@ END_TEST
 
 START_TEST(pieces_of_many_triangles_do_not_penetrate)
 {
-    qcModel floor = qcFloorModel(4, 8);
+    // Few enough to be tested as hulls, and more.
+    for (int quads : {8, 38})
+    {
+        qcModel floor = qcFloorModel(4, 8);
+        qcMeshWorld world;
+        world.Add(world.StaticMesh(floor), 0, btVector3(0, 0, 0));
+        Pieces pieces;
+        AddPieces(&world, {1, 2, quads}, 5, &pieces);
+        ck_assert_uint_gt(pieces.models.front().TriangleCount(), quads == 8 ? 600 : 16384);
+        ck_assert_double_lt(StepsDepth(&world, pieces.placed, quads == 8 ? 6 : 1), Rounding(0));
+    }
+}
+END_TEST
+
+START_TEST(fine_pieces_with_planes_between_them_need_no_triangles)
+{
     qcMeshWorld world;
-    world.Add(world.StaticMesh(floor), 0, btVector3(0, 0, 0));
+    world.world.setGravity(btVector3(0, 0, 0));
     Pieces pieces;
-    AddPieces(&world, {1, 2, 8}, 5, &pieces);
-    ck_assert_uint_gt(pieces.models.front().TriangleCount(), 600);
-    ck_assert_double_lt(StepsDepth(&world, pieces.placed, 6), Rounding(0));
+    AddPieces(&world, {1, 2, 30}, 0, &pieces);
+    int planes = 0, points = 0;
+    for (int step = 0; step < 4; step++)
+    {
+        world.world.stepSimulation(s_shortStep, 0);
+        const qcMeshContactStatistics& statistics = world.contact.getStatistics();
+        ck_assert_int_eq(statistics.planes, statistics.pairs);
+        planes = std::max(planes, statistics.planes);
+        points = statistics.points;
+    }
+    ck_assert_int_ge(planes, 12);
+    ck_assert_int_gt(points, 0);
 }
 END_TEST
 
@@ -228,7 +252,7 @@ START_TEST(pieces_far_from_the_origin_do_not_penetrate)
 END_TEST
 
 /// Throws a heavy box at 100 m/s on a plate that touches a floor, and checks that the plate stays on its side.
-void HitPlate(int quads, btScalar mass, const btVector3& spin)
+void HitPlate(int quads, bool asHull, btScalar mass, const btVector3& spin)
 {
     const btScalar half = btScalar(0.005);
     qcModel floor = qcFloorModel(0.5, quads),
@@ -237,7 +261,14 @@ void HitPlate(int quads, btScalar mass, const btVector3& spin)
     qcMeshWorld world;
     world.world.setGravity(btVector3(0, 0, 0));
     world.Add(world.Keep(floor.MakeShape()), 0, btVector3(0, 0, 0));
-    btRigidBody* below = world.Add(world.Keep(plate.MakeShape()), mass, btVector3(0, half, 0));
+    btCollisionShape* shape = world.Keep(plate.MakeShape());
+    if (!asHull)
+    {
+        auto* compound = new btCompoundShape;
+        compound->addChildShape(btTransform::getIdentity(), shape);
+        shape = world.Keep(std::unique_ptr<btCollisionShape>(compound));
+    }
+    btRigidBody* below = world.Add(shape, mass, btVector3(0, half, 0));
     below->setAngularVelocity(spin);
     btRigidBody* above = world.Add(world.Keep(heavy.MakeShape()), 1000, btVector3(0, btScalar(0.4), 0));
     above->setLinearVelocity(btVector3(0, -100, 0));
@@ -252,11 +283,14 @@ void HitPlate(int quads, btScalar mass, const btVector3& spin)
 
 START_TEST(a_plate_that_touches_a_floor_is_not_driven_through_it)
 {
-    // Few triangles, tested as hulls, and more than small meshes have.
-    for (int quads : {1, 10})
-        for (btScalar mass : {btScalar(0.1), btScalar(10)})
-            for (const btVector3& spin : {btVector3(0, 0, 0), btVector3(1, 2, -4)})
-                HitPlate(quads, mass, spin);
+    // A single mesh is tested as its hull, one in a compound by its triangles.
+    for (btScalar mass : {btScalar(0.1), btScalar(10)})
+        for (const btVector3& spin : {btVector3(0, 0, 0), btVector3(1, 2, -4)})
+        {
+            HitPlate(1, true, mass, spin);
+            HitPlate(10, true, mass, spin);
+            HitPlate(10, false, mass, spin);
+        }
 }
 END_TEST
 
@@ -292,6 +326,6 @@ END_TEST
 
 QC_RUN_TESTS("touching pieces", pieces_that_a_floor_of_any_mesh_stops_do_not_penetrate,
              pieces_that_stood_still_do_not_penetrate_when_they_break_off, pieces_of_many_triangles_do_not_penetrate,
-             pieces_that_break_off_a_compound_do_not_penetrate, pieces_far_from_the_origin_do_not_penetrate,
-             a_plate_that_touches_a_floor_is_not_driven_through_it,
+             fine_pieces_with_planes_between_them_need_no_triangles, pieces_that_break_off_a_compound_do_not_penetrate,
+             pieces_far_from_the_origin_do_not_penetrate, a_plate_that_touches_a_floor_is_not_driven_through_it,
              a_sliver_below_a_heavy_body_is_not_pressed_through_the_floor)
