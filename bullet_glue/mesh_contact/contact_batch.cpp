@@ -71,7 +71,7 @@ void qcMeshBatch::ReadPairs()
     m_axes.BeginStep();
     m_planes.Begin(m_scene.GetTimeStep());
     m_impacts.Begin(m_scene.GetTimeStep());
-    auto moving = [](const btCollisionObject* object, const qcBatchObject& gathered, const qcBatchMesh& mesh)
+    auto moving = [this](const btCollisionObject* object, const qcBatchObject& gathered, const qcBatchMesh& mesh)
     {
         return qcMovingMesh{object,
                             mesh.id,
@@ -80,17 +80,22 @@ void qcMeshBatch::ReadPairs()
                             gathered.boxRadius,
                             gathered.threshold,
                             mesh.margin,
-                            gathered.maxContactDistance};
+                            gathered.maxContactDistance,
+                            m_axes.FindMesh(object)};
     };
     for (const qcBatchPair& pair : m_validity.GetDue())
     {
         const qcBatchObject &a = *pair.gathered0, &b = *pair.gathered1;
-        if (m_planes.AddPair(pair.object0, a, pair.object1, b))
+        const qcPlanePairs::Contact known = m_planes.AddPair(pair.object0, a, pair.object1, b);
+        if (known == qcPlanePairs::Contact::all)
             continue;
+        btVector3 axis(0, 0, 0);
+        if (known == qcPlanePairs::Contact::atStart)
+            axis = m_axes.GetAxis(pair.object0, a.meshes.front().transform, pair.object1, b.meshes.front().transform);
         for (const qcBatchMesh& meshA : a.meshes)
             for (const qcBatchMesh& meshB : b.meshes)
                 if (meshA.placed && meshB.placed)
-                    m_impacts.AddPair(moving(pair.object0, a, meshA), moving(pair.object1, b, meshB));
+                    m_impacts.AddPair(moving(pair.object0, a, meshA), moving(pair.object1, b, meshB), axis);
     }
     m_planes.End();
     statistics.planes = m_planes.GetPairCount();

@@ -71,7 +71,7 @@ size_t qcImpactSampler::AddMesh(const qcMovingMesh& mesh)
     return found->second;
 }
 
-void qcImpactSampler::AddPair(const qcMovingMesh& a, const qcMovingMesh& b)
+void qcImpactSampler::AddPair(const qcMovingMesh& a, const qcMovingMesh& b, const btVector3& axis)
 {
     bool swapped = a.id.slot > b.id.slot;
     const qcMovingMesh &low = swapped ? b : a, &high = swapped ? a : b;
@@ -92,6 +92,8 @@ void qcImpactSampler::AddPair(const qcMovingMesh& a, const qcMovingMesh& b)
     pair.slotB = high.id.slot;
     pair.sampleCount = int(std::min(btScalar(s_maxSamples), std::ceil(travel / slow)));
     pair.maxSpeed = travel / m_timeStep;
+    pair.threshold = std::min(a.threshold, b.threshold);
+    pair.axis = swapped ? -axis : axis;
     // The query at the beginning of the step assumes that co-moving bodies don't close in on each other.
     pair.contactDistance = pair.isCoMoving ? btScalar(0) : std::min(a.contactDistance, b.contactDistance);
     m_pairs.push_back(pair);
@@ -197,7 +199,7 @@ btScalar qcImpactSampler::TakeRegion(qcMeshPoint* begin, qcMeshPoint* end, btSca
         point->onA = toA * point->onA;
         point->onB = toB * point->onB;
         // A separated point whose ends have passed each other is behind the surface that it passed.
-        if (m_isFine && point->distance > 0 && first.DistanceOf(*point) < 0)
+        if (m_isFine && !pair->isByPlane && point->distance > 0 && first.DistanceOf(*point) < 0)
         {
             point->normal = -point->normal;
             point->distance = -point->distance;
@@ -224,23 +226,68 @@ btScalar qcImpactSampler::TakeRegion(qcMeshPoint* begin, qcMeshPoint* end, btSca
 }
 
 /// Takes the points of a pair from a sample, and updates the stop times.
-void qcImpactSampler::TakeResult(const qcResult& result, btScalar time, Pair* pair)
+void qcImpactSampler::TakePoints(std::vector<qcMeshPoint>* points, btScalar time, Pair* pair)
 {
     const Mesh &a = m_meshes[pair->a], &b = m_meshes[pair->b];
-    std::vector<qcMeshPoint> points;
-    qcAppendPoints(result, a.moving.id, *a.moving.sources, b.moving.id, *b.moving.sources, &points);
     btScalar stopTime = BT_LARGE_FLOAT;
-    for (size_t begin = 0, end = 0; begin < points.size(); begin = end)
+    for (size_t begin = 0, end = 0; begin < points->size(); begin = end)
     {
-        while (end < points.size() && points[end].region == points[begin].region)
+        while (end < points->size() && (*points)[end].region == (*points)[begin].region)
             end++;
-        stopTime = std::min(stopTime, TakeRegion(&points[begin], points.data() + end, time, pair));
+        stopTime = std::min(stopTime, TakeRegion(points->data() + begin, points->data() + end, time, pair));
     }
     pair->previousTime = time;
     if (pair->isQuasiStatic[0] || a.IsStoppedAt(stopTime))
         m_stopTimes[pair->b] = std::min(m_stopTimes[pair->b], stopTime);
     if (pair->isQuasiStatic[1] || b.IsStoppedAt(stopTime))
         m_stopTimes[pair->a] = std::min(m_stopTimes[pair->a], stopTime);
+}
+
+/// Samples a pair by the plane between its hulls, up to a distance. False: its triangles have to be tested.
+bool qcImpactSampler::TestPlane(btScalar distance, btScalar time, Pair* pair)
+{
+    pair->isByPlane = false;
+    if (pair->axis.fuzzyZero())
+        return false;
+    PairTransforms now = TransformsAt(*pair, time);
+    const qcPlacedSupport a{m_meshes[pair->a].moving.hull, now.a}, b{m_meshes[pair->b].moving.hull, now.b};
+    qcSeparation separation = qcFindSeparation(a, b, pair->axis, distance, qcFaceSlack * pair->threshold);
+    btScalar maxOverlap = qcMaxHullOverlap * pair->threshold;
+    if (separation.gap < -maxOverlap)
+    {
+        // Hulls that have passed through a plane since the previous sample are still next to it.
+        maxOverlap = std::max(maxOverlap, s_maxPairDepth * pair->maxSpeed * (time - pair->previousTime));
+        separation = qcSeparation();
+        separation.axis = pair->axis;
+        separation.gap = qcGapAlong(a, b, pair->axis);
+    }
+    bool isNext = separation.gap >= -maxOverlap;
+    pair->axis = isNext ? separation.axis : btVector3(0, 0, 0);
+    m_points.clear();
+    pair->isByPlane =
+        separation.gap > distance || (isNext && m_contact.Find(a, b, separation, distance, true, &m_points));
+    if (pair->isByPlane)
+        TakePoints(&m_points, time, pair);
+    return pair->isByPlane;
+}
+
+/// Samples the due pairs by their triangles.
+qcStatus qcImpactSampler::TestTriangles(qcScene* scene, const qcDetectDef& def, btScalar time)
+{
+    const qcResult* result = nullptr;
+    qcStatus status = SetTransforms(scene, time);
+    if (status == qc_statusOk)
+        status = qcScene_Detect(scene, &def, &result);
+    for (Pair& pair : m_pairs)
+    {
+        if (status != qc_statusOk || !pair.isDue)
+            continue;
+        const qcMovingMesh &a = m_meshes[pair.a].moving, &b = m_meshes[pair.b].moving;
+        m_points.clear();
+        qcAppendPoints(*result, a.id, *a.sources, b.id, *b.sources, &m_points);
+        TakePoints(&m_points, time, &pair);
+    }
+    return status;
 }
 
 /// Samples the selected pairs and marks them as done.
@@ -257,13 +304,14 @@ qcStatus qcImpactSampler::RunPass(qcScene* scene, const qcDetectDef& def)
             continue;
         m_sampleCount++;
         btScalar time = m_timeStep * btScalar(sample) / btScalar(sampleCount);
-        const qcResult* result = nullptr;
-        status = SetTransforms(scene, time);
-        if (status == qc_statusOk)
-            status = qcScene_Detect(scene, &def, &result);
+        bool anyTriangles = false;
         for (Pair& pair : m_pairs)
-            if (status == qc_statusOk && pair.isDue)
-                TakeResult(*result, time, &pair);
+        {
+            pair.isDue = pair.isDue && !TestPlane(btScalar(def.margin), time, &pair);
+            anyTriangles = anyTriangles || pair.isDue;
+        }
+        if (anyTriangles)
+            status = TestTriangles(scene, def, time);
     }
     for (Pair& pair : m_pairs)
         pair.isDone = pair.isDone || pair.isSelected;

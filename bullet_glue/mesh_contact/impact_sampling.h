@@ -3,7 +3,7 @@
 #ifndef QC_GLUE_MESH_CONTACT_IMPACT_SAMPLING_H
 #define QC_GLUE_MESH_CONTACT_IMPACT_SAMPLING_H
 
-#include "mesh_contact/contact_reduction.h"
+#include "mesh_contact/plane_contact.h"
 #include "mesh_contact/rigid_motion.h"
 
 #include <unordered_map>
@@ -15,10 +15,11 @@ struct qcMovingMesh
     qcBodyId id;
     btTransform transform; ///< in the scene
     const std::vector<qcTriangleSource>* sources;
-    btScalar radius;          ///< upper bound of the distance of the object's points from its origin
-    btScalar threshold;       ///< contact breaking threshold of the object
-    btScalar margin;          ///< collision margin
-    btScalar contactDistance; ///< contact is found up to this distance from its margin at the beginning of the step
+    btScalar radius;           ///< upper bound of the distance of the object's points from its origin
+    btScalar threshold;        ///< contact breaking threshold of the object
+    btScalar margin;           ///< collision margin
+    btScalar contactDistance;  ///< contact is found up to this distance from its margin at the beginning of the step
+    const qcSupportMesh* hull; ///< the mesh if it is small and the object's only one
 };
 
 /// Finds contacts that fast pairs reach within the step, and adds them at its beginning: Bullet's constraint for a
@@ -29,8 +30,9 @@ class qcImpactSampler
   public:
     /// Clears the pairs and points of the previous step, and sets the time step.
     void Begin(btScalar timeStep);
-    /// Adds a pair if its bodies pass each other, or one of them moves, by more than contact distances cover.
-    void AddPair(const qcMovingMesh& a, const qcMovingMesh& b);
+    /// Adds a pair if its bodies pass each other, or one of them moves, by more than contact distances cover. `axis`:
+    /// of a plane that separates their hulls, from `a` to `b`; 0: there is none.
+    void AddPair(const qcMovingMesh& a, const qcMovingMesh& b, const btVector3& axis);
     /// Samples the step. `def`: of the query at the beginning of the step. Bodies of the scene are at the beginning of
     /// the step again afterwards; the scene's last result is lost. No pairs: does nothing.
     qcStatus Sample(qcScene* scene, const qcDetectDef& def);
@@ -63,14 +65,17 @@ class qcImpactSampler
         uint32_t slotA, slotB;
         size_t a, b; ///< indices of the meshes
         int sampleCount;
-        btScalar maxSpeed;               ///< upper bound of the speed at which the bodies pass each other
-        btScalar contactDistance;        ///< nearer points are found at the beginning of the step
-        bool isQuasiStatic[2];           ///< so slow that the other body stops where it touches this one
-        bool isCoMoving;                 ///< sampled only once one of the bodies has stopped
-        btScalar previousTime = 0;       ///< of the pair's previous sample
-        bool isSelected = false;         ///< for the present pass
-        bool isDue = false;              ///< for the present sample
-        bool isDone = false;             ///< sampled, or so deep that further samples mean nothing
+        btScalar maxSpeed;         ///< upper bound of the speed at which the bodies pass each other
+        btScalar contactDistance;  ///< nearer points are found at the beginning of the step
+        btScalar threshold;        ///< contact breaking threshold of the pair
+        bool isQuasiStatic[2];     ///< so slow that the other body stops where it touches this one
+        bool isCoMoving;           ///< sampled only once one of the bodies has stopped
+        btScalar previousTime = 0; ///< of the pair's previous sample
+        bool isSelected = false;   ///< for the present pass
+        bool isDue = false;        ///< for the present sample
+        bool isDone = false;       ///< sampled, or so deep that further samples mean nothing
+        btVector3 axis; ///< of the plane between small meshes at the previous sample, from A to B; 0: there is none
+        bool isByPlane = false;          ///< in the present sample
         std::vector<qcMeshPoint> points; ///< ends in the frames of their meshes
     };
 
@@ -96,7 +101,9 @@ class qcImpactSampler
     void SortPairs();
     qcDetectDef SampleDef(const qcDetectDef& def);
     qcStatus RunPass(qcScene* scene, const qcDetectDef& def);
-    void TakeResult(const qcResult& result, btScalar time, Pair* pair);
+    qcStatus TestTriangles(qcScene* scene, const qcDetectDef& def, btScalar time);
+    bool TestPlane(btScalar distance, btScalar time, Pair* pair);
+    void TakePoints(std::vector<qcMeshPoint>* points, btScalar time, Pair* pair);
     btScalar TakeRegion(qcMeshPoint* begin, qcMeshPoint* end, btScalar time, Pair* pair);
     static bool IsDue(void* context, uint32_t slotA, uint32_t slotB);
 
@@ -107,6 +114,8 @@ class qcImpactSampler
     std::vector<btScalar> m_stopTimes;              ///< of the meshes, found in the present pass
     std::unordered_map<uint32_t, size_t> m_indexOf; ///< of a mesh, by slot
     std::vector<Pair> m_pairs;                      ///< sorted by slots while they are sampled
+    qcPlaneContact m_contact;
+    std::vector<qcMeshPoint> m_points; ///< scratch
 };
 
 #endif

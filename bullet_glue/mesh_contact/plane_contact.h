@@ -9,6 +9,12 @@
 #include <algorithm>
 #include <initializer_list>
 
+/// Where hulls overlap by more than this part of the contact breaking threshold, no plane describes the contact of the
+/// meshes.
+constexpr btScalar qcMaxHullOverlap = btScalar(0.3);
+/// Normals of faces are preferred to other axes that make the gap larger by up to this part of the threshold.
+constexpr btScalar qcFaceSlack = btScalar(0.02);
+
 /// A point in the frame of a plane: two coordinates along it, and its height.
 struct qcFlat
 {

@@ -8,13 +8,12 @@
 
 namespace
 {
-// Where hulls overlap by more than this part of the threshold, no plane describes the contact of the meshes.
-constexpr btScalar s_maxOverlap = btScalar(0.3);
-// Normals of faces are preferred to other axes that make the gap larger by up to this part of the threshold.
-constexpr btScalar s_faceSlack = btScalar(0.02);
-// Bodies that move in a step by no more than the threshold, or than this part of the smaller one, stop others. Two that
-// turn by more touch elsewhere than where they are nearest.
+// Bodies that move in a step by no more than the threshold, or than this part of the smaller one, stop others; two that
+// turn by more are sampled.
 constexpr btScalar s_maxTurn = btScalar(0.05);
+// They are sampled by planes if one of the two has more triangles than this: 12 tori of 576 come to rest after 13 s
+// then, and after 8 s if their triangles are sampled (qc-bench piles, seven seeds), at the same cost.
+constexpr size_t s_fewTriangles = 600;
 
 /// How fast two meshes approach each other: the motion of one relative to the other, where the smaller one is.
 struct Approach
@@ -64,15 +63,15 @@ qcPlanePairs::Body& qcPlanePairs::BodyOf(const btCollisionObject* object, const 
     return body;
 }
 
-bool qcPlanePairs::AddPair(const btCollisionObject* object0, const qcBatchObject& a, const btCollisionObject* object1,
-                           const qcBatchObject& b)
+qcPlanePairs::Contact qcPlanePairs::AddPair(const btCollisionObject* object0, const qcBatchObject& a,
+                                            const btCollisionObject* object1, const qcBatchObject& b)
 {
     if (a.meshes.size() != 1 || b.meshes.size() != 1)
-        return false;
+        return Contact::none;
     const qcBatchMesh &placedA = a.meshes.front(), &placedB = b.meshes.front();
     const qcSupportMesh *meshA = BodyOf(object0, a).mesh, *meshB = BodyOf(object1, b).mesh;
     if (meshA == nullptr || meshB == nullptr || !placedA.placed || !placedB.placed)
-        return false;
+        return Contact::none;
     qcPlacedSupport sideA{meshA, placedA.transform}, sideB{meshB, placedB.transform};
     const qcRigidMotion &motionA = m_bodies[placedA.id.slot].motion, &motionB = m_bodies[placedB.id.slot].motion;
     Approach approach = ApproachOf(motionA, sideA, motionB, sideB, m_timeStep);
@@ -92,23 +91,29 @@ bool qcPlanePairs::AddPair(const btCollisionObject* object0, const qcBatchObject
         m_cache.KeepTouching(object0, sideA, object1, sideB);
     else
         separation =
-            qcFindSeparation(sideA, sideB, guess, std::max(distance, rest + max) + margins, s_faceSlack * threshold);
+            qcFindSeparation(sideA, sideB, guess, std::max(distance, rest + max) + margins, qcFaceSlack * threshold);
     m_cache.KeepAxis(object0, sideA.transform, object1, sideB.transform, separation.axis);
     btScalar closing = approach.Along(separation.axis);
     distance = std::max(distance, rest + closing) + margins;
+    // Two that turn touch elsewhere than where they are nearest: samples follow the motion.
+    const bool turns = !isTouching && separation.gap <= distance && approach.turn > spacing;
+    if (turns && std::max(meshA->Triangles().count, meshB->Triangles().count) <= s_fewTriangles)
+        return Contact::none;
+    if (turns)
+        distance = qcBatchScene::ContactDistance(a, b) + margins;
     Pair pair{placedA.id.slot, placedB.id.slot, false, m_points.size(), m_points.size(), separation.gap};
     bool hasContact = separation.gap <= distance;
     if (hasContact)
     {
         if (isTouching)
             qcPlaneContact::AddTouching(sideA, sideB, separation, &m_points);
-        else if (separation.gap < -s_maxOverlap * threshold || approach.turn > spacing ||
-                 !m_contact.Find(sideA, sideB, separation, distance, closing <= spacing, &m_points))
-            return false;
+        else if (separation.gap < -qcMaxHullOverlap * threshold ||
+                 !m_contact.Find(sideA, sideB, separation, distance, turns || closing <= spacing, &m_points))
+            return Contact::none;
         pair.end = m_points.size();
         m_contactCount++;
     }
-    if (std::max(travelA, travelB) > spacing && separation.gap <= rest + max + margins)
+    if (!turns && std::max(travelA, travelB) > spacing && separation.gap <= rest + max + margins)
         m_links.push_back({sideA,
                            sideB,
                            pair.low,
@@ -125,7 +130,7 @@ bool qcPlanePairs::AddPair(const btCollisionObject* object0, const qcBatchObject
         pair.isSwapped = true;
     }
     m_pairs.push_back(pair);
-    return true;
+    return turns ? Contact::atStart : Contact::all;
 }
 
 /// How much a pair has closed in along its axis at a time.

@@ -15,9 +15,15 @@ class qcPlanePairs
 
     /// Clears the pairs and points of the previous step, and sets the time step.
     void Begin(btScalar timeStep);
-    /// Computes the contact of a pair, at the transforms that the scene has. False: its triangles have to be tested.
-    bool AddPair(const btCollisionObject* object0, const qcBatchObject& a, const btCollisionObject* object1,
-                 const qcBatchObject& b);
+    enum class Contact
+    {
+        none,    ///< not known: its triangles have to be tested
+        atStart, ///< at the beginning of the step: the two turn, and have to be sampled
+        all      ///< of the step
+    };
+    /// Computes the contact of a pair, at the transforms that the scene has. Returns what of it is known.
+    Contact AddPair(const btCollisionObject* object0, const qcBatchObject& a, const btCollisionObject* object1,
+                    const qcBatchObject& b);
     /// Call it after the last AddPair, before the following ones. Adds contact of bodies that follow one that is
     /// stopped in the step.
     void End();

@@ -43,9 +43,9 @@ struct qcMassProperties
 };
 
 /// A triangle soup, moving or static. Positions and indices are copied. It need not be closed; triangles may intersect,
-/// overlap or be degenerate. Creation is O(n), and for up to 16 384 triangles O(n * faces of similar direction), since it
-/// finds the faces for contact then; a tree over the triangles is built in O(n log n) when it is first needed (convex
-/// shapes, rays, soft bodies).
+/// overlap or be degenerate. Creation is O(n), and for up to 16 384 triangles O(n * faces of similar direction), since
+/// it finds the faces for contact then; a tree over the triangles is built in O(n log n) when it is first needed
+/// (convex shapes, rays, soft bodies).
 ///
 /// Contact: with convex shapes, rays and swept shapes by Bullet's own algorithms; with meshes and planes by a
 /// qcMeshContact of the world; with soft bodies by qcSoftBodySolver or qcDeformableWorld, otherwise by Bullet's own
