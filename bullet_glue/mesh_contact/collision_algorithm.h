@@ -31,6 +31,11 @@ class qcPointsAlgorithm : public btCollisionAlgorithm
                             btScalar farther, btScalar timeStep, std::vector<qcMeshPoint>* points) = 0;
     /// The part of a distance between triangles that belongs to the shape's margin.
     virtual btScalar MarginOf(const btCollisionShape* shape) const = 0;
+    /// True if points that are reached within the step are not reduced to four.
+    virtual bool KeepsReached() const
+    {
+        return false;
+    }
 
     qcMeshBatch* m_batch;
     bool m_query;
@@ -80,6 +85,10 @@ class qcMeshPlaneAlgorithm : public qcPointsAlgorithm
     void FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, btScalar farther,
                     btScalar timeStep, std::vector<qcMeshPoint>* points) override;
     btScalar MarginOf(const btCollisionShape* shape) const override;
+    bool KeepsReached() const override
+    {
+        return true;
+    }
 };
 
 #endif

@@ -39,11 +39,12 @@ struct qcPointGroup
 };
 
 /// Groups points by normal, and reduces each group to the deepest point and up to three that span the largest area with
-/// it, or four that carry it: for rigid bodies only the hull of points with equal normals matters. Distances are beyond
-/// the margins; points with distances closer to `contactDistance` have less weight. At either end the points of a group
-/// are further apart than `minSpacing` and than their distances. Reorders `points`, to which the groups refer. Returns
-/// the number of groups, at most `maxGroups`. O(points * (log(points) + maxGroups)).
+/// it, or four that carry it: for rigid bodies only the hull of points with equal normals matters. `keepsReached`:
+/// points with one normal that bodies reach fast within the step fill further groups, since a body turns about those
+/// that stop it. Distances are beyond the margins; points with distances closer to `contactDistance` have less weight.
+/// At either end the points of a group are further apart than `minSpacing` and than their distances. Reorders `points`,
+/// to which the groups refer. Returns the number of groups, at most `maxGroups`. O(points * (log(points) + maxGroups)).
 int qcGroupPoints(std::vector<qcMeshPoint>* points, btScalar contactDistance, btScalar minSpacing, int maxGroups,
-                  qcPointGroup* groups);
+                  bool keepsReached, qcPointGroup* groups);
 
 #endif
