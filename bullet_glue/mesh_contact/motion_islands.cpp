@@ -1,6 +1,8 @@
 // Islands of objects that would pass each other in a step.
 #include "mesh_contact/motion_islands.h"
 
+#include <algorithm>
+
 namespace
 {
 /// The translation with the momentum of the objects' own motions, along the axes that none of them is locked to.
@@ -17,6 +19,17 @@ btVector3 MeanTranslation(const std::vector<qcSweptObject*>& members)
             free[axis] = swept->body->getLinearFactor()[axis] == 0 ? btScalar(0) : free[axis];
     }
     return sum * free / mass;
+}
+/// The part of a translation that pushes none of the objects into its floors.
+btVector3 StopAtFloors(const std::vector<qcSweptObject*>& members, btVector3 translation)
+{
+    for (const qcSweptObject* swept : members)
+        for (const qcSweptFloor& floor : swept->floors)
+        {
+            const btScalar room = std::max(floor.HeightOf(*swept->hull, swept->start), btScalar(0));
+            translation += floor.normal * std::max(-translation.dot(floor.normal) - room, btScalar(0));
+        }
+    return translation;
 }
 } // namespace
 
@@ -84,7 +97,7 @@ void qcMotionIslands::Move()
         bool isFree = !island.isHeld && island.carrier == nullptr && !members[root].empty();
         btTransform motion =
             isCarried ? island.carrier->end * island.carrier->start.inverse() : btTransform::getIdentity();
-        btVector3 mean = isFree ? MeanTranslation(members[root]) : btVector3(0, 0, 0);
+        btVector3 mean = isFree ? StopAtFloors(members[root], MeanTranslation(members[root])) : btVector3(0, 0, 0);
         for (qcSweptObject* swept : members[root])
         {
             swept->carried = isCarried ? motion * swept->start : swept->start;

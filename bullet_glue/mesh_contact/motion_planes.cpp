@@ -41,43 +41,75 @@ struct Extreme
     }
 };
 
-/// Displacement of the point at `arm` along the direction by a unit impulse there, times the time step.
-btScalar InverseMassAt(const qcSweptObject& swept, const btVector3& arm, const btVector3& direction)
+/// How an object gives way to a push.
+struct Yield
 {
-    if (swept.body == nullptr)
-        return 0;
-    const btRigidBody& body = *swept.body;
-    btVector3 turn = body.getInvInertiaTensorWorld() * arm.cross(direction) * body.getAngularFactor();
-    return direction.dot(direction * body.getLinearFactor()) * body.getInvMass() + direction.dot(turn.cross(arm));
+    btVector3 linear, angular; ///< displacement and rotation by a unit impulse, times the time step
+    btScalar along;            ///< displacement of the point along the impulse
+
+    Yield(const qcSweptObject& swept, const btVector3& arm, const btVector3& direction)
+        : linear(0, 0, 0), angular(0, 0, 0), along(0)
+    {
+        if (swept.body == nullptr)
+            return;
+        const btRigidBody& body = *swept.body;
+        linear = direction * body.getLinearFactor() * body.getInvMass();
+        angular = body.getInvInertiaTensorWorld() * arm.cross(direction) * body.getAngularFactor();
+        along = direction.dot(linear) + direction.dot(angular.cross(arm));
+        // What lies on a floor has it behind: the floor does not give way, and the body neither sinks nor tilts.
+        for (const qcSweptFloor& floor : swept.floors)
+            if (direction.dot(floor.normal) < 0 && floor.HeightOf(*swept.hull, swept.end) <= 0)
+            {
+                angular.setZero();
+                linear -= floor.normal * std::min(linear.dot(floor.normal), btScalar(0));
+                along = std::max(direction.dot(linear), btScalar(0));
+            }
+    }
+};
+
+/// True if a vertex is below a floor.
+bool IsInFloor(const qcSweptObject& swept)
+{
+    return std::any_of(swept.floors.begin(), swept.floors.end(),
+                       [&swept](const qcSweptFloor& floor) { return floor.HeightOf(*swept.hull, swept.end) < 0; });
 }
 
-void Push(qcSweptObject* swept, const btVector3& arm, const btVector3& push)
+void Push(qcSweptObject* swept, const Yield& yield, btScalar impulse)
 {
-    if (swept->body == nullptr)
+    if (swept->body == nullptr || yield.along == 0)
         return;
-    const btRigidBody& body = *swept->body;
-    swept->end.setOrigin(swept->end.getOrigin() + push * body.getLinearFactor() * body.getInvMass());
-    btVector3 turn = body.getInvInertiaTensorWorld() * arm.cross(push) * body.getAngularFactor();
+    const btTransform before = swept->end;
+    swept->end.setOrigin(before.getOrigin() + yield.linear * impulse);
+    swept->isPushed = true;
+    btVector3 turn = yield.angular * impulse;
     btScalar angle = turn.length();
     if (angle > SIMD_EPSILON)
     {
         btQuaternion rotation(turn / angle, std::min(angle, s_maxRotation));
-        swept->end.setRotation((rotation * swept->end.getRotation()).normalized());
+        swept->end.setRotation((rotation * before.getRotation()).normalized());
     }
-    swept->isPushed = true;
+    if (!IsInFloor(*swept))
+        return;
+    // It comes to lie on the floor: turned about that, it would be lifted.
+    swept->end.setBasis(before.getBasis());
+    for (const qcSweptFloor& floor : swept->floors)
+        swept->end.setOrigin(swept->end.getOrigin() -
+                             floor.normal * std::min(floor.HeightOf(*swept->hull, swept->end), btScalar(0)));
 }
 
 void SolvePlane(qcMotionPlane* plane)
 {
     Extreme lowest(plane->above, plane->normal), highest(plane->below, -plane->normal);
     btScalar lack = plane->gap - lowest.height - highest.height;
-    btScalar inverseMass = InverseMassAt(*plane->above.swept, lowest.arm, plane->normal) +
-                           InverseMassAt(*plane->below.swept, highest.arm, plane->normal);
-    if (!(lack > 0) || !(inverseMass > 0))
+    if (!(lack > 0))
         return;
-    btVector3 push = plane->normal * (lack / inverseMass);
-    Push(plane->above.swept, lowest.arm, push);
-    Push(plane->below.swept, highest.arm, -push);
+    const Yield above(*plane->above.swept, lowest.arm, plane->normal);
+    const Yield below(*plane->below.swept, highest.arm, -plane->normal);
+    const btScalar inverseMass = above.along + below.along;
+    if (!(inverseMass > 0))
+        return;
+    Push(plane->above.swept, above, lack / inverseMass);
+    Push(plane->below.swept, below, lack / inverseMass);
     plane->pushed += lack / inverseMass;
     plane->arms[0] = lowest.arm;
     plane->arms[1] = highest.arm;

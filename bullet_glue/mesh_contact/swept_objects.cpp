@@ -6,6 +6,7 @@
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
+#include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 #include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
@@ -43,6 +44,12 @@ bool IsBelow(const btVector3& a, const btVector3& b)
     return a.x() <= b.x() && a.y() <= b.y() && a.z() <= b.z();
 }
 } // namespace
+
+btScalar qcSweptFloor::HeightOf(const qcSupportMesh& mesh, const btTransform& place) const
+{
+    const qcPlacedSupport placed{&mesh, place};
+    return normal.dot(place.getOrigin()) - mesh.Max(placed.ToLocal(-normal)) - level;
+}
 
 btTransform qcSweptObject::At(btScalar part) const
 {
@@ -132,9 +139,43 @@ void qcSweptObjects::RemoveGone(qcScene* scene)
         entry = isGone(entry->second.get()) ? m_objects.erase(entry) : std::next(entry);
 }
 
+void qcSweptObjects::FindPlanes()
+{
+    m_planes.clear();
+    const btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
+    for (int i = 0; i < objects.size(); i++)
+        if (objects[i]->getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE && objects[i]->isStaticObject())
+            m_planes.push_back(objects[i]);
+}
+
+/// Finds the planes that a body may reach and has contact with.
+void qcSweptObjects::FindFloors(qcSweptObject* swept) const
+{
+    swept->floors.clear();
+    if (swept->body == nullptr || swept->hull == nullptr)
+        return;
+    for (const btCollisionObject* object : m_planes)
+    {
+        const auto* plane = static_cast<const btStaticPlaneShape*>(object->getCollisionShape());
+        const btTransform& place = object->getWorldTransform();
+        qcSweptFloor floor{place.getBasis() * plane->getPlaneNormal(), plane->getPlaneConstant()};
+        floor.level += floor.normal.dot(place.getOrigin());
+        if (floor.normal.dot(swept->target.getOrigin()) - floor.level > 2 * swept->hull->Radius())
+            continue;
+        const btBroadphasePair* pair = m_settings.world->getPairCache()->findPair(
+            swept->object->getBroadphaseHandle(), const_cast<btCollisionObject*>(object)->getBroadphaseHandle());
+        if (pair == nullptr || pair->m_algorithm == nullptr ||
+            !m_settings.world->getDispatcher()->needsResponse(swept->object, object))
+            continue;
+        floor.level += std::min(floor.HeightOf(*swept->hull, swept->target), btScalar(0));
+        swept->floors.push_back(floor);
+    }
+}
+
 bool qcSweptObjects::ReadTargets(qcScene* scene)
 {
     m_step++;
+    FindPlanes();
     bool anyMoved = false;
     size_t present = 0;
     btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
@@ -149,6 +190,7 @@ bool qcSweptObjects::ReadTargets(qcScene* scene)
         ReadShape(&swept, m_settings.gimpact);
         swept.hull = m_axes.FindMesh(objects[i]);
         swept.target = swept.end = objects[i]->getWorldTransform();
+        FindFloors(&swept);
         swept.carried = swept.start;
         swept.isPushed = false;
         swept.fraction = 1;

@@ -20,6 +20,16 @@ struct qcSweptMesh
     std::unique_ptr<qcMeshTriangles> triangles;
 };
 
+/// A static plane under a small mesh. Limits move the mesh no deeper into it than it was at the target.
+struct qcSweptFloor
+{
+    btVector3 normal; ///< unit, upwards
+    btScalar level;   ///< least product of a vertex with the normal
+
+    /// Height of the mesh's lowest vertex above the level, where it has this transform.
+    btScalar HeightOf(const qcSupportMesh& mesh, const btTransform& place) const;
+};
+
 struct qcSweptObject
 {
     btCollisionObject* object = nullptr;
@@ -47,7 +57,8 @@ struct qcSweptObject
     btScalar lost = 0;         ///< part of its own motion that the object has not made in this step
     bool isLimited = false;    ///< it does not end this step where Bullet had moved it
     btVector3 lower, upper;    ///< box around the meshes at start and end
-    std::vector<qcSweptMesh> meshes; ///< empty until the object is near another one
+    std::vector<qcSweptFloor> floors; ///< of a dynamic body that consists of one small mesh
+    std::vector<qcSweptMesh> meshes;  ///< empty until the object is near another one
 
     /// The transform after this part of the motion; `carried` and target exactly for 0 and 1.
     btTransform At(btScalar part) const;
@@ -134,6 +145,8 @@ class qcSweptObjects
     qcSweptObject* Add(btCollisionObject* object);
     static void FindStart(btScalar timeStep, qcSweptObject* swept);
     void RemoveGone(qcScene* scene);
+    void FindPlanes();
+    void FindFloors(qcSweptObject* swept) const;
     bool IsLeftOut(const qcSweptObject& a, const qcSweptObject& b) const;
     bool Collide(const qcSweptObject& a, const qcSweptObject& b) const;
 
@@ -141,7 +154,8 @@ class qcSweptObjects
     qcAxisCache& m_axes;
     std::unordered_map<qcObjectKey, std::unique_ptr<qcSweptObject>, qcObjectKeyHash> m_objects;
     std::vector<qcSweptObject*> m_sorted;
-    std::vector<qcSweptObject*> m_byLower; ///< along the first axis
+    std::vector<const btCollisionObject*> m_planes; ///< static ones
+    std::vector<qcSweptObject*> m_byLower;          ///< along the first axis
     qcIdCounter m_numbers;
     uint64_t m_step = 0;
     bool m_isMarked = false; ///< the starts of the present step

@@ -322,10 +322,45 @@ START_TEST(a_sliver_below_a_heavy_body_is_not_pressed_through_the_floor)
     }
 }
 END_TEST
+/// The least height of a plate of 1 kg above a plane, after a step in which a column of cubes of 1000 kg comes down on
+/// it and the solver does nothing.
+double LowestUnderColumn(int cubes)
+{
+    qcMeshWorld world;
+    world.world.setGravity(btVector3(0, 0, 0));
+    world.world.getSolverInfo().m_numIterations = 0;
+    qcAddFloor(world, qc_floorPlane);
+    const qcModel plate = qcBoxModel(btVector3(btScalar(0.5), btScalar(0.05), btScalar(0.5)), 1), cube = qcCubeModel(1);
+    btCollisionShape *thin = world.Keep(plate.MakeShape(s_margin)), *heavy = world.Keep(cube.MakeShape(s_margin));
+    std::vector<qcPlacedModel> placed = {{&plate, world.Add(thin, 1, btVector3(0, btScalar(0.051), 0))}};
+    for (int i = 0; i < cubes; i++)
+    {
+        placed.push_back(
+            {&cube, world.Add(heavy, 1000, btVector3(0, btScalar(0.605) + btScalar(1.003) * btScalar(i), 0))});
+        world.bodies.back()->setLinearVelocity(btVector3(0, -4 - btScalar(i), 0));
+    }
+    world.world.stepSimulation(s_shortStep, 0);
+    ck_assert_uint_eq(qcCountPenetrating(placed), 0);
+    const double lowest = double(placed[0].body->getWorldTransform().getOrigin().y()) - 0.05;
+    printf("%d cubes: lowest %.3f mm\n", cubes, 1000 * lowest);
+    return lowest;
+}
+
+START_TEST(limits_press_nothing_into_a_plane)
+{
+    // A column of eight is cut back: all of it would make its common motion.
+    for (int cubes : {1, 8, 16, 30})
+    {
+        const double lowest = LowestUnderColumn(cubes);
+        ck_assert_double_gt(lowest, -1e-5);
+        ck_assert_double_lt(lowest, 0.0011);
+    }
+}
+END_TEST
 } // namespace
 
 QC_RUN_TESTS("touching pieces", pieces_that_a_floor_of_any_mesh_stops_do_not_penetrate,
              pieces_that_stood_still_do_not_penetrate_when_they_break_off, pieces_of_many_triangles_do_not_penetrate,
              fine_pieces_with_planes_between_them_need_no_triangles, pieces_that_break_off_a_compound_do_not_penetrate,
              pieces_far_from_the_origin_do_not_penetrate, a_plate_that_touches_a_floor_is_not_driven_through_it,
-             a_sliver_below_a_heavy_body_is_not_pressed_through_the_floor)
+             a_sliver_below_a_heavy_body_is_not_pressed_through_the_floor, limits_press_nothing_into_a_plane)
