@@ -10,6 +10,7 @@
 #include "bullet_positions.h"
 #include "bullet_queries.h"
 #include "bullet_soft_body.h"
+#include "bullet_solver.h"
 #include "bullet_threads.h"
 
 #endif

@@ -39,6 +39,7 @@ bullet_glue/debug_draw      bullet_glue/common
 bullet_glue/mesh_shape      bullet_glue/common
 bullet_glue/mesh_contact    bullet_glue/common
 bullet_glue/queries         bullet_glue/common
+bullet_glue/solver
 bullet_glue/soft_body/scene bullet_glue/common
 bullet_glue/soft_body/response bullet_glue/common bullet_glue/soft_body/scene
 bullet_glue/soft_body       bullet_glue/common bullet_glue/soft_body/scene bullet_glue/soft_body/response

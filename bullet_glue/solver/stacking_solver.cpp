@@ -1,0 +1,264 @@
+// Shock propagation after sequential impulses. Guendelman, Bridson, Fedkiw: Nonconvex Rigid Bodies with Stacking,
+// SIGGRAPH 2003, section 7.
+#include "quickcullide/bullet_solver.h"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace
+{
+// Sweeps over the contact points of a body, at most, and until one changes speeds by no more than this part of the
+// first: a box that falls flat does not turn about the corner that is solved first.
+constexpr int s_maxSweeps = 10;
+constexpr btScalar s_converged = btScalar(0.05);
+
+/// One of the two sides of a row.
+struct Side
+{
+    const btVector3 &normal, &turn, &angular;
+
+    static Side First(const btSolverConstraint& row)
+    {
+        return {row.m_contactNormal1, row.m_relpos1CrossNormal, row.m_angularComponentA};
+    }
+    static Side Second(const btSolverConstraint& row)
+    {
+        return {row.m_contactNormal2, row.m_relpos2CrossNormal, row.m_angularComponentB};
+    }
+
+    btScalar Along(const btVector3& linear, const btVector3& rotation) const
+    {
+        return normal.dot(linear) + turn.dot(rotation);
+    }
+    btScalar InverseMass(const btSolverBody& body) const
+    {
+        return normal.dot(normal * body.internalGetInvMass()) + turn.dot(angular);
+    }
+};
+
+/// Speed of a body's contact point that the impulses of the step have added.
+btScalar AddedSpeed(const Side& side, btSolverBody& body)
+{
+    return side.Along(body.internalGetDeltaLinearVelocity(), body.internalGetDeltaAngularVelocity());
+}
+
+/// Speed at which a row's bodies part, beyond what the row requires. Its m_rhs is that for the velocities of the start.
+btScalar ExcessSpeed(const btSolverConstraint& row, btSolverBody& first, btSolverBody& second)
+{
+    return AddedSpeed(Side::First(row), first) + AddedSpeed(Side::Second(row), second) - row.m_rhs / row.m_jacDiagABInv;
+}
+
+/// Velocities.
+struct Impulses
+{
+    static btScalar Speed(const Side& side, btSolverBody& body)
+    {
+        return AddedSpeed(side, body);
+    }
+    static btScalar Target(const btSolverConstraint& row, btSolverBody&, btSolverBody&)
+    {
+        return row.m_rhs / row.m_jacDiagABInv;
+    }
+    /// What a body visited before adds to the speed of parting. One that comes towards the visited body counts as
+    /// standing still there: it does not throw it, so that kinetic energy does not rise.
+    static btScalar OtherSpeed(const Side& side, btSolverBody& other)
+    {
+        const btScalar own = side.Along(other.m_linearVelocity + other.m_externalForceImpulse,
+                                        other.m_angularVelocity + other.m_externalTorqueImpulse);
+        const btScalar added = AddedSpeed(side, other);
+        return std::max(added, -own);
+    }
+    static void Apply(const Side& side, btScalar impulse, btSolverBody* body)
+    {
+        body->internalApplyImpulse(side.normal * body->internalGetInvMass(), side.angular, impulse);
+    }
+};
+
+/// Displacements by split impulses, over the time step.
+struct SplitImpulses
+{
+    static btScalar Speed(const Side& side, btSolverBody& body)
+    {
+        return side.Along(body.internalGetPushVelocity(), body.internalGetTurnVelocity());
+    }
+    static btScalar Target(const btSolverConstraint& row, btSolverBody& first, btSolverBody& second)
+    {
+        return row.m_rhsPenetration > 0 ? row.m_rhsPenetration / row.m_jacDiagABInv
+                                        : -std::max(ExcessSpeed(row, first, second), btScalar(0));
+    }
+    static btScalar OtherSpeed(const Side& side, btSolverBody& other)
+    {
+        return Speed(side, other);
+    }
+    static void Apply(const Side& side, btScalar impulse, btSolverBody* body)
+    {
+        body->internalApplyPushImpulse(side.normal * body->internalGetInvMass(), side.angular, impulse);
+    }
+};
+} // namespace
+
+struct qcStackingSolver::Contact
+{
+    Side side;
+    btScalar target; ///< least of Pass::Speed
+    btScalar inverseMass;
+    btScalar impulse; ///< sum of those of the present visit
+};
+
+qcStackingSolver::qcStackingSolver() = default;
+qcStackingSolver::~qcStackingSolver() = default;
+
+bool qcStackingSolver::IsFixed(int body) const
+{
+    const btRigidBody* original = m_tmpSolverBodyPool[body].m_originalBody;
+    return original == nullptr || original->getInvMass() <= 0;
+}
+
+void qcStackingSolver::ListContacts()
+{
+    const size_t bodyCount = size_t(m_tmpSolverBodyPool.size());
+    const int rowCount = m_tmpSolverContactConstraintPool.size();
+    m_firstOf.assign(bodyCount + 1, 0);
+    m_contactsOf.resize(2 * size_t(rowCount));
+    auto forEachSide = [this, rowCount](auto visit)
+    {
+        for (int i = 0; i < rowCount; i++)
+        {
+            visit(m_tmpSolverContactConstraintPool[i].m_solverBodyIdA, i);
+            visit(m_tmpSolverContactConstraintPool[i].m_solverBodyIdB, i);
+        }
+    };
+    forEachSide([this](int body, int) { m_firstOf[size_t(body)]++; });
+    for (size_t body = 0; body < bodyCount; body++)
+        m_firstOf[body + 1] += m_firstOf[body];
+    forEachSide([this](int body, int row) { m_contactsOf[size_t(--m_firstOf[size_t(body)])] = row; });
+    m_firstOf[bodyCount] = 2 * rowCount;
+}
+
+/// Breadth first, from the static bodies. Fills m_order with the bodies that are reached.
+void qcStackingSolver::FindLevels()
+{
+    constexpr int unknown = std::numeric_limits<int>::max();
+    const int bodyCount = m_tmpSolverBodyPool.size();
+    m_levels.assign(size_t(bodyCount), unknown);
+    for (int i = 0; i < m_tmpSolverNonContactConstraintPool.size(); i++)
+    {
+        m_levels[size_t(m_tmpSolverNonContactConstraintPool[i].m_solverBodyIdA)] = -1;
+        m_levels[size_t(m_tmpSolverNonContactConstraintPool[i].m_solverBodyIdB)] = -1;
+    }
+    m_order.clear();
+    for (int body = 0; body < bodyCount; body++)
+        if (IsFixed(body))
+        {
+            m_levels[size_t(body)] = 0;
+            m_order.push_back(body);
+        }
+    const size_t fixedCount = m_order.size();
+    for (size_t i = 0; i < m_order.size(); i++)
+    {
+        const size_t body = size_t(m_order[i]);
+        for (int k = m_firstOf[body]; k < m_firstOf[body + 1]; k++)
+        {
+            const btSolverConstraint& row = m_tmpSolverContactConstraintPool[m_contactsOf[size_t(k)]];
+            const int other = row.m_solverBodyIdA == int(body) ? row.m_solverBodyIdB : row.m_solverBodyIdA;
+            if (m_levels[size_t(other)] != unknown)
+                continue;
+            m_levels[size_t(other)] = m_levels[body] + 1;
+            m_order.push_back(other);
+        }
+    }
+    m_order.erase(m_order.begin(), m_order.begin() + std::ptrdiff_t(fixedCount));
+    std::replace(m_levels.begin(), m_levels.end(), unknown, -1);
+}
+
+/// The order of visits: by level, in each the lowest body first.
+void qcStackingSolver::SortBodies()
+{
+    auto potential = [this](int body)
+    {
+        const btRigidBody& original = *m_tmpSolverBodyPool[body].m_originalBody;
+        return -original.getGravity().dot(original.getWorldTransform().getOrigin());
+    };
+    std::stable_sort(m_order.begin(), m_order.end(),
+                     [&](int a, int b) {
+                         return std::make_pair(m_levels[size_t(a)], potential(a)) <
+                                std::make_pair(m_levels[size_t(b)], potential(b));
+                     });
+    m_places.assign(m_levels.size(), -1);
+    for (size_t i = 0; i < m_order.size(); i++)
+        m_places[size_t(m_order[i])] = int(i);
+}
+
+/// Reads the contact points of a body with those visited before it.
+template <class Pass> void qcStackingSolver::ReadContacts(int body)
+{
+    m_contacts.clear();
+    for (int k = m_firstOf[size_t(body)]; k < m_firstOf[size_t(body) + 1]; k++)
+    {
+        const btSolverConstraint& row = m_tmpSolverContactConstraintPool[m_contactsOf[size_t(k)]];
+        const bool isFirst = row.m_solverBodyIdA == body;
+        const int other = isFirst ? row.m_solverBodyIdB : row.m_solverBodyIdA;
+        if (m_levels[size_t(other)] < 0 || m_places[size_t(other)] > m_places[size_t(body)] || row.m_cfm > 0)
+            continue;
+        btSolverBody &first = m_tmpSolverBodyPool[row.m_solverBodyIdA],
+                     &second = m_tmpSolverBodyPool[row.m_solverBodyIdB];
+        const Side side = isFirst ? Side::First(row) : Side::Second(row);
+        const btScalar inverseMass = side.InverseMass(isFirst ? first : second);
+        btScalar otherSpeed =
+            isFirst ? Pass::OtherSpeed(Side::Second(row), second) : Pass::OtherSpeed(Side::First(row), first);
+        if (IsFixed(other))
+            otherSpeed = 0;
+        if (inverseMass > 0)
+            m_contacts.push_back({side, Pass::Target(row, first, second) - otherSpeed, inverseMass, 0});
+    }
+}
+
+/// Returns the change of the speed of the contact point.
+template <class Pass> btScalar qcStackingSolver::Solve(Contact* contact, btSolverBody* own)
+{
+    const btScalar lack = contact->target - Pass::Speed(contact->side, *own);
+    const btScalar sum = std::max(contact->impulse + lack / contact->inverseMass, btScalar(0));
+    const btScalar impulse = sum - contact->impulse;
+    if (impulse == 0)
+        return 0;
+    contact->impulse = sum;
+    Pass::Apply(contact->side, impulse, own);
+    return btFabs(impulse) * contact->inverseMass;
+}
+
+/// Stops a body against those visited before it, by projected Gauss-Seidel.
+template <class Pass> void qcStackingSolver::Visit(int body)
+{
+    btSolverBody& own = m_tmpSolverBodyPool[body];
+    ReadContacts<Pass>(body);
+    btScalar first = 0;
+    for (int sweep = 0; sweep < s_maxSweeps; sweep++)
+    {
+        btScalar largest = 0;
+        for (Contact& contact : m_contacts)
+            largest = std::max(largest, Solve<Pass>(&contact, &own));
+        first = std::max(first, largest);
+        if (largest <= s_converged * first)
+            return;
+    }
+}
+
+btScalar qcStackingSolver::solveGroupCacheFriendlyIterations(btCollisionObject** bodies, int bodyCount,
+                                                             btPersistentManifold** manifolds, int manifoldCount,
+                                                             btTypedConstraint** constraints, int constraintCount,
+                                                             const btContactSolverInfo& info, btIDebugDraw* drawer)
+{
+    btScalar result = btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyIterations(
+        bodies, bodyCount, manifolds, manifoldCount, constraints, constraintCount, info, drawer);
+    ListContacts();
+    FindLevels();
+    SortBodies();
+    for (int body : m_order)
+        Visit<Impulses>(body);
+    if (info.m_splitImpulse)
+        for (int body : m_order)
+            Visit<SplitImpulses>(body);
+    return result;
+}

@@ -1,0 +1,243 @@
+// The solver for heaps: nothing is pressed into what stands still, no energy is gained, and where nothing stands still
+// or joints hold bodies it is Bullet's solver.
+#include "bullet/mesh/mesh_world.h"
+
+namespace
+{
+constexpr btScalar s_shortStep = btScalar(1.0 / 240);
+
+/// Boxes of 1 m or less on a plane, by Bullet alone.
+struct BoxWorld
+{
+    btDefaultCollisionConfiguration configuration;
+    btCollisionDispatcher dispatcher{&configuration};
+    btDbvtBroadphase broadphase;
+    btDiscreteDynamicsWorld world;
+    btStaticPlaneShape plane{btVector3(0, 1, 0), 0};
+    btRigidBody floor{btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &plane)};
+    std::vector<std::unique_ptr<btCollisionShape>> shapes;
+    std::vector<std::unique_ptr<btRigidBody>> bodies;
+
+    explicit BoxWorld(btConstraintSolver* solver) : world(&dispatcher, &broadphase, solver, &configuration)
+    {
+        // Depth adds no speed.
+        world.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;
+    }
+    ~BoxWorld()
+    {
+        for (auto& body : bodies)
+            world.removeRigidBody(body.get());
+        if (floor.getBroadphaseHandle() != nullptr)
+            world.removeRigidBody(&floor);
+    }
+
+    btRigidBody* Add(const btVector3& half, btScalar mass, const btTransform& place)
+    {
+        shapes.emplace_back(new btBoxShape(half));
+        btVector3 inertia;
+        shapes.back()->calculateLocalInertia(mass, inertia);
+        btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shapes.back().get(), inertia);
+        info.m_startWorldTransform = place;
+        bodies.emplace_back(new btRigidBody(info));
+        world.addRigidBody(bodies.back().get());
+        return bodies.back().get();
+    }
+
+    /// Kinetic and potential.
+    double Energy() const
+    {
+        double energy = 0;
+        for (const auto& body : bodies)
+        {
+            btVector3 spin = body->getInvInertiaTensorWorld().inverse() * body->getAngularVelocity();
+            energy += double(
+                (body->getLinearVelocity().length2() / body->getInvMass() + body->getAngularVelocity().dot(spin)) / 2);
+            energy -= double(body->getGravity().dot(body->getWorldTransform().getOrigin()) / body->getInvMass());
+        }
+        return energy;
+    }
+};
+
+/// A thin plate of 1 kg on a plane, and cubes of 1000 kg on it that fall. Returns the least height of the plate ever.
+double LowestUnderCubes(btConstraintSolver* solver)
+{
+    qcMeshWorld world;
+    world.world.setConstraintSolver(solver);
+    qcAddFloor(world, qc_floorPlane);
+    const btScalar margin = btScalar(0.001);
+    const btVector3 half(btScalar(0.5), btScalar(0.05), btScalar(0.5));
+    btCollisionShape *plate = world.Keep(qcBoxModel(half, 1).MakeShape(margin)),
+                     *cube = world.Keep(qcCubeModel().MakeShape(margin));
+    const btRigidBody* lowest = world.Add(plate, 1, btVector3(0, btScalar(0.051), 0));
+    double least = 1;
+    for (int i = 0; i < 3; i++)
+        world.Add(cube, 1000, btVector3(0, btScalar(0.603) + btScalar(1.002) * btScalar(i), 0))
+            ->setLinearVelocity(btVector3(0, -4, 0));
+    for (int step = 0; step < 60; step++)
+    {
+        world.world.stepSimulation(s_shortStep, 0);
+        least = std::min(least, double(lowest->getWorldTransform().getOrigin().y()) - 0.05);
+    }
+    printf("lowest: %.2f mm\n", 1000 * least);
+    return least;
+}
+
+START_TEST(a_light_body_under_heavy_ones_is_not_pressed_into_the_floor)
+{
+    btSequentialImpulseConstraintSolver sequential;
+    qcStackingSolver stacking;
+    ck_assert_double_lt(LowestUnderCubes(&sequential), -0.01);
+    ck_assert_double_gt(LowestUnderCubes(&stacking), -0.0005);
+}
+END_TEST
+
+/// Cubes on each other whose margins overlap by 4 cm, falling: Bullet pushes them apart by split impulses. Returns the
+/// least height ever.
+double LowestOfOverlapping(btConstraintSolver* solver)
+{
+    qcMeshWorld world;
+    world.world.setConstraintSolver(solver);
+    world.world.getSolverInfo().m_erp2 = btScalar(0.8);
+    world.world.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;
+    qcAddFloor(world, qc_floorPlane);
+    btCollisionShape* shape = world.Keep(qcCubeModel().MakeShape(btScalar(0.02)));
+    std::vector<btRigidBody*> cubes;
+    for (int i = 0; i < 3; i++)
+    {
+        cubes.push_back(world.Add(shape, 10, btVector3(0, btScalar(0.545) + btScalar(i), 0)));
+        cubes.back()->setLinearVelocity(btVector3(0, -6, 0));
+    }
+    double lowest = 1;
+    for (int step = 0; step < 20; step++)
+    {
+        world.world.stepSimulation(s_shortStep, 0);
+        lowest = std::min(lowest, double(cubes[0]->getWorldTransform().getOrigin().y()) - 0.5);
+    }
+    printf("lowest: %.2f mm\n", 1000 * lowest);
+    return lowest;
+}
+
+START_TEST(split_impulses_push_nothing_into_a_floor_that_it_reaches_in_the_step)
+{
+    btSequentialImpulseConstraintSolver sequential;
+    qcStackingSolver stacking;
+    // The margin is 20 mm thick.
+    ck_assert_double_lt(LowestOfOverlapping(&sequential), 0.01);
+    ck_assert_double_gt(LowestOfOverlapping(&stacking), 0.0195);
+}
+END_TEST
+
+/// Adds a heap of boxes of different masses.
+void AddHeap(BoxWorld* boxes, btScalar height)
+{
+    for (int i = 0; i < 48; i++)
+    {
+        const btScalar size = btScalar(0.1) + btScalar(0.05) * btScalar(i % 5);
+        const btVector3 origin(btScalar(0.9) * btScalar(i % 3), height + btScalar(0.9) * btScalar(i / 6),
+                               btScalar(0.9) * btScalar(i / 3 % 2));
+        boxes->Add(btVector3(size, size / 2, size), i % 4 == 0 ? btScalar(100) : btScalar(1),
+                   btTransform(btQuaternion(btVector3(1, btScalar(i), 2).normalized(), btScalar(i)), origin));
+    }
+}
+
+/// The largest rise of energy in a step of a heap that falls, without what lifts bodies out of each other.
+double LargestRise(btConstraintSolver* solver)
+{
+    BoxWorld boxes(solver);
+    boxes.world.getSolverInfo().m_splitImpulse = false;
+    boxes.world.getSolverInfo().m_erp2 = 0;
+    boxes.world.addRigidBody(&boxes.floor);
+    AddHeap(&boxes, 1);
+    double previous = boxes.Energy(), rise = 0;
+    for (int step = 0; step < 600; step++)
+    {
+        boxes.world.stepSimulation(s_shortStep, 0);
+        rise = std::max(rise, boxes.Energy() - previous);
+        previous = boxes.Energy();
+    }
+    printf("rise in a step: %.6f J\n", rise);
+    return rise;
+}
+
+START_TEST(the_energy_of_a_heap_rises_no_more_than_by_bullets_solver)
+{
+    btSequentialImpulseConstraintSolver sequential;
+    qcStackingSolver stacking;
+    ck_assert_double_le(LargestRise(&stacking), LargestRise(&sequential) + 1e-3);
+}
+END_TEST
+
+START_TEST(a_heap_comes_to_rest)
+{
+    qcStackingSolver solver;
+    BoxWorld boxes(&solver);
+    boxes.world.addRigidBody(&boxes.floor);
+    AddHeap(&boxes, 1);
+    for (int step = 0; step < 1800; step++)
+        boxes.world.stepSimulation(s_shortStep, 0);
+    for (const auto& body : boxes.bodies)
+        ck_assert_double_lt(double(body->getLinearVelocity().length()), 0.05);
+}
+END_TEST
+
+/// The bodies' transforms after some steps of a heap in the air, whose boxes fly into each other.
+std::vector<btTransform> Flight(btConstraintSolver* solver)
+{
+    BoxWorld boxes(solver);
+    AddHeap(&boxes, 0);
+    for (const auto& body : boxes.bodies)
+        body->setLinearVelocity(body->getWorldTransform().getOrigin() * btScalar(-3));
+    for (int step = 0; step < 120; step++)
+        boxes.world.stepSimulation(s_shortStep, 0);
+    std::vector<btTransform> places;
+    for (const auto& body : boxes.bodies)
+        places.push_back(body->getWorldTransform());
+    return places;
+}
+
+START_TEST(bodies_that_nothing_holds_move_as_by_bullets_solver)
+{
+    btSequentialImpulseConstraintSolver sequential;
+    qcStackingSolver stacking;
+    const std::vector<btTransform> expected = Flight(&sequential), found = Flight(&stacking);
+    for (size_t i = 0; i < expected.size(); i++)
+        ck_assert(expected[i] == found[i]);
+}
+END_TEST
+
+/// A chain of boxes that hangs by joints, and whose end drags over the floor. Returns the transform of the end.
+btTransform Chain(btConstraintSolver* solver)
+{
+    BoxWorld boxes(solver);
+    boxes.world.addRigidBody(&boxes.floor);
+    std::vector<std::unique_ptr<btTypedConstraint>> joints;
+    const btVector3 half(btScalar(0.1), btScalar(0.1), btScalar(0.1)), end(btScalar(0.15), 0, 0);
+    for (int i = 0; i < 6; i++)
+    {
+        btRigidBody* body =
+            boxes.Add(half, 1, btTransform(btQuaternion::getIdentity(), btVector3(btScalar(0.3) * btScalar(i), 1, 0)));
+        joints.emplace_back(i == 0 ? new btPoint2PointConstraint(*body, -end)
+                                   : new btPoint2PointConstraint(*boxes.bodies[size_t(i) - 1], *body, end, -end));
+        boxes.world.addConstraint(joints.back().get(), true);
+    }
+    for (int step = 0; step < 400; step++)
+        boxes.world.stepSimulation(s_shortStep, 0);
+    ck_assert_int_gt(qcContactsOf(boxes.dispatcher).points, 0);
+    for (const auto& joint : joints)
+        boxes.world.removeConstraint(joint.get());
+    return boxes.bodies.back()->getWorldTransform();
+}
+
+START_TEST(bodies_with_joints_move_as_by_bullets_solver)
+{
+    btSequentialImpulseConstraintSolver sequential;
+    qcStackingSolver stacking;
+    ck_assert(Chain(&sequential) == Chain(&stacking));
+}
+END_TEST
+} // namespace
+
+QC_RUN_TESTS("stacking solver", a_light_body_under_heavy_ones_is_not_pressed_into_the_floor,
+             split_impulses_push_nothing_into_a_floor_that_it_reaches_in_the_step,
+             the_energy_of_a_heap_rises_no_more_than_by_bullets_solver, a_heap_comes_to_rest,
+             bodies_that_nothing_holds_move_as_by_bullets_solver, bodies_with_joints_move_as_by_bullets_solver)
