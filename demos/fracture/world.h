@@ -80,8 +80,8 @@ class qcFractureWorld
     }
 
   private:
-    /// Bullet's solver with arrays that have room for the contact of all pieces when they appear.
-    class Solver : public btSequentialImpulseConstraintSolver
+    /// A solver with arrays that have room for the contact of all pieces when they appear.
+    class Solver : public qcStackingSolver
     {
       public:
         void Reserve(int points);
