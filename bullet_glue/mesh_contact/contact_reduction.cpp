@@ -55,12 +55,21 @@ btScalar ExtentOf(const qcPointGroup& group, const btVector3& normal, const btVe
     return outside;
 }
 
-/// The distance by which points are ranked. A point beyond the contact distance has its distance at the end of the
-/// step, but at least half of the contact distance: others may touch before it.
+/// True if bodies close in on a point so fast that where they are at the end of the step matters.
+bool IsFast(const qcMeshPoint& point, btScalar contactDistance)
+{
+    return point.distance - point.endDistance > s_fastClosing * contactDistance;
+}
+
+/// The distance by which points are ranked. A point beyond the contact distance, or a fast one, has its distance at the
+/// end of the step, but at least half of the contact distance, since others may touch before it.
 btScalar EffectiveDistance(const qcMeshPoint& point, btScalar contactDistance)
 {
-    btScalar distance =
-        point.distance <= contactDistance ? point.distance : std::max(point.endDistance, contactDistance / 2);
+    btScalar distance = point.distance;
+    if (distance > contactDistance)
+        distance = std::max(point.endDistance, contactDistance / 2);
+    else if (IsFast(point, contactDistance))
+        distance = std::min(distance, std::max(point.endDistance, contactDistance / 2));
     return point.isKnown ? distance - s_knownNearer * contactDistance : distance;
 }
 
@@ -125,8 +134,7 @@ bool IsFirstCarried(const qcPointGroup& group, const btVector3& normal, btScalar
 /// as much again.
 bool IsReached(const qcMeshPoint& point, btScalar contactDistance)
 {
-    const btScalar closing = point.distance - point.endDistance;
-    return closing > s_fastClosing * contactDistance && point.distance < 2 * closing;
+    return IsFast(point, contactDistance) && point.distance < 2 * (point.distance - point.endDistance);
 }
 
 /// Fills further groups with the points that the first one has left out and that are reached. Returns their number.

@@ -109,6 +109,19 @@ START_TEST(points_of_the_previous_step_are_preferred_to_equal_ones)
 }
 END_TEST
 
+START_TEST(of_two_points_that_a_fast_body_reaches_the_nearer_one_is_kept)
+{
+    // Too close to each other for both. The nearer one is within the contact distance.
+    std::vector<qcMeshPoint> points = {PointAt(0, 0, btScalar(0.035)), PointAt(btScalar(0.005), 0, btScalar(0.019))};
+    for (qcMeshPoint& point : points)
+        point.endDistance = point.distance - btScalar(0.03);
+    qcPointGroup group;
+    ck_assert_int_eq(qcGroupPoints(&points, s_contactDistance, s_minSpacing, 1, false, &group), 1);
+    ck_assert_int_eq(group.count, 1);
+    ck_assert_double_eq_tol(double(group.points[0]->distance), 0.019, 1e-6);
+}
+END_TEST
+
 START_TEST(a_fast_body_is_stopped_at_all_points_that_it_reaches)
 {
     for (btScalar closing : {btScalar(0.004), btScalar(0.02)})
@@ -139,4 +152,5 @@ QC_RUN_TESTS("contact reduction", four_corners_carry_a_body_and_not_three_and_a_
              a_deep_point_is_kept_wherever_it_is, the_first_point_that_a_fast_body_reaches_is_kept,
              a_wide_point_at_the_contact_distance_does_not_replace_one_that_carries,
              points_of_the_previous_step_are_preferred_to_equal_ones,
+             of_two_points_that_a_fast_body_reaches_the_nearer_one_is_kept,
              a_fast_body_is_stopped_at_all_points_that_it_reaches)
