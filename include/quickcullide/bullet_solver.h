@@ -25,7 +25,7 @@
 /// Left as Bullet has solved them: bodies that no chain of contact points connects with a static or kinematic one,
 /// bodies with joints, and contact points with compliance (CFM, stiffness or damping).
 ///
-/// Takes about as long as two of Bullet's iterations. O(n log n) of the bodies and contact points of an island.
+/// O(n log n) of the bodies and contact points of an island, on top of Bullet's iterations.
 /// Thread-safety: as its base class, which is for one island at a time; an instance may be part of a
 /// btConstraintSolverPoolMt.
 ATTRIBUTE_ALIGNED16(class) QC_API qcStackingSolver : public btSequentialImpulseConstraintSolver
