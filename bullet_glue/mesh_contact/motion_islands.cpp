@@ -20,6 +20,7 @@ btVector3 MeanTranslation(const std::vector<qcSweptObject*>& members)
     }
     return sum * free / mass;
 }
+
 /// The part of a translation that pushes none of the objects into its floors.
 btVector3 StopAtFloors(const std::vector<qcSweptObject*>& members, btVector3 translation)
 {
