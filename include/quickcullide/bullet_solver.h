@@ -37,6 +37,7 @@ ATTRIBUTE_ALIGNED16(class) QC_API qcStackingSolver : public btSequentialImpulseC
     ~qcStackingSolver() override;
 
   protected:
+    /// Bullet's iterations, then shock propagation.
     btScalar solveGroupCacheFriendlyIterations(btCollisionObject * *bodies, int bodyCount,
                                                btPersistentManifold** manifolds, int manifoldCount,
                                                btTypedConstraint** constraints, int constraintCount,
