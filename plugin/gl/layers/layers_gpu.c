@@ -30,8 +30,9 @@ enum
     // Workgroups that compare tiles, where there are few tiles: a GPU of 132 multiprocessors runs half as many at a
     // time.
     qc_comparingGroups = 2048,
-    // Rounds of a workgroup that goes through a list, so that no implementation stops its loops.
-    qc_maxRounds = 64
+    // Rounds of a workgroup that goes through a list, so that no implementation stops its loops after 65 535
+    // iterations: a round of triangle pairs has up to 1104.
+    qc_maxRounds = 32
 };
 
 /// A device that needs more is lost.

@@ -48,13 +48,21 @@ void compareTiles(uint a, uint b, uint k)
         found[atomicAdd(foundCount, 1u)] = uvec2(min(m, n), max(m, n));
 }
 
+// Some implementations stop the loops of an invocation after 65 535 iterations in all.
+void checkDone(bool isDone)
+{
+    if (!isDone)
+        counters[stoppedCounter] = 1u;
+}
+
 // The pair masks of adjacent nodes: 8 invocations look through a node's links. Links lead from lower to higher nodes.
 void findTables(uint count, uint k)
 {
     for (uint i = k; i < count; i += LOCAL_SIZE)
         tableOf[i] = none;
     barrier();
-    for (uint i = testNeighbours != 0u ? count : k >> 3; i < count; i += LOCAL_SIZE / 8u)
+    uint i = testNeighbours != 0u ? count : k >> 3;
+    for (; i < count; i += LOCAL_SIZE / 8u)
     {
         uvec2 range = texelFetch(nodes, int(found[i].x)).yz; // first, end
         uint link = range.x + (k & 7u);
@@ -64,7 +72,9 @@ void findTables(uint count, uint k)
             if (adjacent.x == found[i].y)
                 tableOf[i] = adjacent.y;
         }
+        checkDone(link >= range.y);
     }
+    checkDone(i >= count);
     barrier();
 }
 
@@ -105,6 +115,7 @@ void main()
             writeFound(k);
         barrier();
     }
+    checkDone(t >= tileCount);
     if (foundCount != 0u)
         writeFound(k);
 }
