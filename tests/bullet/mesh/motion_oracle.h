@@ -34,6 +34,18 @@ inline qcSoup qcSoupOf(const qcModel& model, const btTransform& transform)
     return soup;
 }
 
+/// A body of these triangles, which have to outlive the call that takes it.
+inline qcBodyDef qcBodyOf(const qcSoup& soup)
+{
+    qcBodyDef def = qcDefaultBodyDef();
+    def.positions = soup.positions.data();
+    def.positionType = qc_positionF64;
+    def.vertexCount = uint32_t(soup.positions.size() / 3);
+    def.indices = soup.indices.data();
+    def.triangleCount = uint32_t(soup.indices.size() / 3);
+    return def;
+}
+
 /// Remembers where bodies were, and counts pairs of triangles of different bodies that penetrate on the way to where
 /// they are. One scene serves all moments: a scene's first query takes several times as long as a later one.
 class qcMotionOracle
@@ -58,12 +70,7 @@ class qcMotionOracle
     {
         Body body{std::move(now), {}, {}};
         qcSoup soup = body.now();
-        qcBodyDef def = qcDefaultBodyDef();
-        def.positions = soup.positions.data();
-        def.positionType = qc_positionF64;
-        def.vertexCount = uint32_t(soup.positions.size() / 3);
-        def.indices = soup.indices.data();
-        def.triangleCount = uint32_t(soup.indices.size() / 3);
+        qcBodyDef def = qcBodyOf(soup);
         def.deforming = true;
         def.selfCollision = false;
         ck_assert_int_eq(qcScene_AddBody(m_scene, &def, &body.id), qc_statusOk);

@@ -68,12 +68,7 @@ inline size_t qcCountPenetrating(const std::vector<qcSoup>& soups, bool between 
     ck_assert_int_eq(qcScene_Create(&sceneDef, &scene), qc_statusOk);
     for (const qcSoup& soup : soups)
     {
-        qcBodyDef def = qcDefaultBodyDef();
-        def.positions = soup.positions.data();
-        def.positionType = qc_positionF64;
-        def.vertexCount = uint32_t(soup.positions.size() / 3);
-        def.indices = soup.indices.data();
-        def.triangleCount = uint32_t(soup.indices.size() / 3);
+        qcBodyDef def = qcBodyOf(soup);
         def.selfCollision = !between;
         qcBodyId id;
         ck_assert_int_eq(qcScene_AddBody(scene, &def, &id), qc_statusOk);
