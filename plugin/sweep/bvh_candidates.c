@@ -98,13 +98,22 @@ static PairSides MakeSides(const Run* run, uint32_t a, uint32_t b)
     return sides;
 }
 
+/// World coordinates come first: the local BVH is transformed into them, and no transform is inverted. Of two local
+/// ones, large triangles come second.
+static bool MustSwap(const Run* run, uint32_t a, uint32_t b)
+{
+    const qcStepTriangles* t = run->job->triangles;
+    return BvhOf(run, a)->bvh.fit.isLocal &&
+           (!BvhOf(run, b)->bvh.fit.isLocal ||
+            qcBvhPairs_AreLarge(qcStepTriangles_Body(t, a), qcStepTriangles_Body(t, b)));
+}
+
 /// Appends a job; there is room for it.
 static void AddJob(const Run* run, uint32_t a, uint32_t b)
 {
     qcBvhCandidates* sweep = run->sweep;
     const qcBvhCandidatesJob* job = run->job;
-    // World coordinates come first: the local BVH is transformed into them, and no transform is inverted.
-    if (BvhOf(run, a)->bvh.fit.isLocal && !BvhOf(run, b)->bvh.fit.isLocal)
+    if (MustSwap(run, a, b))
     {
         uint32_t first = b;
         b = a;

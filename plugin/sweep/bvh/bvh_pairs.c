@@ -1,11 +1,13 @@
-// From the roots of two BVHs downwards: eight boxes against eight at a time, both BVHs at the same level, down to
-// triangles. (Simultaneous traversal: Brinkhoff, Kriegel, Seeger: Efficient Processing of Spatial Joins Using R-Trees,
-// 1993.) Proof that no pair is lost: plugin/docs/proofs/bvh_pairs.md.
+// From the roots of two BVHs downwards: eight boxes against eight at a time, both BVHs at the same level, down to leaf
+// nodes. (Simultaneous traversal: Brinkhoff, Kriegel, Seeger: Efficient Processing of Spatial Joins Using R-Trees,
+// 1993.) Large triangles beside small ones: down the BVH of the latter, eight at a time. Proof that no pair is lost:
+// plugin/docs/proofs/bvh_pairs.md.
 #include "sweep/bvh/bvh_pairs.h"
 
 #include "base/parallel_for.h"
 #include "base/status.h"
 #include "sweep/bvh/lattice_map.h"
+#include "sweep/bvh/leaf_pairs.h"
 #include "sweep/bvh/motion_bvhs.h"
 
 #include <assert.h>
@@ -29,175 +31,16 @@ enum
     // Clusters of a BVH that exceeds the cache next to a core: 1.5 MB. A dragon of 871 K triangles takes 5 % less with
     // prefetches, a cloth of 20 K 2 % more.
     qc_minPrefetched = 16384,
+    // Triangles are large if they are this many times as large as the others, so that one is beside many of these.
+    qc_largeSize = 4,
     qc_queueRoom = qc_queueFull + qc_maxCollected
 };
-
-/// Two nodes of the current level of their search.
-typedef struct NodePair
-{
-    uint32_t search, a, b;
-} NodePair;
-
-typedef struct Search
-{
-    const qcBvhPairsJob* job;
-    const qcTriangleBvh *a, *b;
-    uint32_t level;               ///< of its node pairs
-    qcTransformedBvh transformed; ///< b in the lattice of a
-    /// b is local: boxes are compared in its lattice too, above leaf nodes. In these that would take as long as it
-    /// saves.
-    bool isTurned;
-    qcBoxTransform reverse; ///< from the lattice of a to that of b, if isTurned
-    qcIndexedTriangles sides[2];
-    qcDistanceThresholds thresholds;
-    bool same;
-    bool filters;        ///< false: the thresholds are too inexact for the filter
-    qcMotionBvh* motion; ///< of a and of b; null: no motion
-} Search;
-
-/// The pairs that one worker has found and not yet reported.
-typedef struct Queue
-{
-    const Search* search;
-    qcSlotPair *pairs, *end;
-    qcPlaneCache* planes;
-    qcBox8 transformed;      ///< the boxes of a leaf node's clusters in the lattice of the other BVH
-    uint64_t transformedKey; ///< its search and its number; UINT64_MAX: none
-    uint32_t worker;
-    bool isOpen; ///< false: the job's function has stopped the search
-} Queue;
 
 /// Bits i + 8 j with i <= j.
 static const uint64_t s_inOrder = UINT64_C(0xff7f3f1f0f070301);
 
-static void Flush(Queue* queue)
-{
-    const Search* s = queue->search;
-    size_t count = (size_t)(queue->end - queue->pairs);
-    queue->end = queue->pairs;
-    if (count == 0 || !queue->isOpen)
-        return;
-    qcClassifiedPairs found = {.pairs = queue->pairs, .count = count};
-    if (s->filters && s->motion != NULL)
-        found.count = s->job->kernels->filterMotion(&s->motion[0], &s->motion[1], found.pairs, count);
-    else if (s->filters)
-        qcClassifiedPairs_Filter(&found, s->job->kernels, s->sides, &s->thresholds, true);
-    queue->isOpen = found.count == 0 || s->job->function(s->job->context, &found, queue->worker);
-}
-
-/// The pairs of two leaf nodes of one body that are left out.
-typedef struct Rules
-{
-    const uint64_t* pairMasks; ///< null: all pairs are tested
-    uint64_t ownMask[qc_maxPairMaskSize + 1];
-    qcPairExclusion exclusions[qc_maxExclusions];
-    int exclusionCount;
-} Rules;
-
-/// The mask of two nodes of a body without links.
-static void FindMask(const Search* s, uint32_t a, uint32_t b, Rules* rules)
-{
-    const qcClusterVertices* vertices = s->job->a->vertices.data;
-    const qcBox8* nodes = qcTriangleBvh_Boxes(s->a, &s->a->fit).nodes;
-    uint64_t clusters = s->motion != NULL ? UINT64_MAX : s->job->kernels->findOverlaps(&nodes[a], &nodes[b]);
-    uint32_t neighbours = s->job->kernels->findPairMask(vertices + (size_t)a * qc_boxLanes,
-                                                        vertices + (size_t)b * qc_boxLanes, clusters, rules->ownMask);
-    if (neighbours != 0 && s->job->neighbourCount != NULL)
-        __atomic_fetch_add(s->job->neighbourCount, neighbours, __ATOMIC_RELAXED);
-    rules->pairMasks = rules->ownMask;
-}
-
-/// False: all pairs are left out.
-static bool FindRules(const Search* s, uint32_t a, uint32_t b, Rules* rules)
-{
-    const qcBvhPairsJob* job = s->job;
-    rules->pairMasks = NULL;
-    rules->exclusionCount = 0;
-    if (job->includeNeighbours)
-    {
-        rules->pairMasks = a == b ? qcPairMask_OfOneNode() : NULL;
-        return true;
-    }
-    if (!job->a->hasAdjacency)
-    {
-        FindMask(s, a, b, rules);
-        return true;
-    }
-    const qcClusters* clusters = &job->a->bvh.clusters;
-    uint32_t link = qcClusters_FindLink(clusters, a, b);
-    if (link == QC_NO_LINK)
-        return true;
-    rules->pairMasks = qcClusters_PairMask(clusters, link);
-    if (job->skipFlatPatches)
-        rules->exclusionCount = qcPatchState_FindExclusions(
-            &job->a->patches, job->motion ? &job->a->patches.motion : &job->a->patches.present, clusters, a, link,
-            rules->exclusions);
-    for (int i = 0; i < rules->exclusionCount; i++)
-        if ((rules->exclusions[i].a & rules->exclusions[i].b) == UINT64_MAX)
-            return false;
-    return true;
-}
-
-/// The overlapping clusters of two leaf nodes of two bodies. Consecutive pairs mostly share the second node.
-static uint64_t FindClusterOverlaps(Queue* queue, NodePair nodes)
-{
-    const Search* s = queue->search;
-    uint64_t key = (uint64_t)nodes.search << 32 | nodes.b;
-    if (queue->transformedKey != key)
-        s->job->kernels->transformBoxes(&s->transformed.boxes.nodes[nodes.b], &s->transformed.levels,
-                                        &queue->transformed);
-    queue->transformedKey = key;
-    return s->job->kernels->findOverlaps(&qcTriangleBvh_Boxes(s->a, &s->a->fit).nodes[nodes.a], &queue->transformed);
-}
-
-static void MarkVisited(const qcBvhPairsJob* job, NodePair nodes)
-{
-    if (job->visitedA != NULL)
-        __atomic_store_n(&job->visitedA[nodes.a], 1, __ATOMIC_RELAXED);
-    if (job->visitedB != NULL)
-        __atomic_store_n(&job->visitedB[nodes.b], 1, __ATOMIC_RELAXED);
-}
-
-static void CompareLeafNodes(Queue* queue, NodePair nodes)
-{
-    uint32_t number = nodes.search, a = nodes.a, b = nodes.b;
-    const Search* s = queue->search;
-    const qcBvhPairsJob* job = s->job;
-    MarkVisited(job, nodes);
-    if (queue->end - queue->pairs >= qc_queueFull)
-        Flush(queue);
-    Rules rules;
-    rules.pairMasks = NULL;
-    rules.exclusionCount = 0;
-    if (s->same && !FindRules(s, a, b, &rules))
-        return;
-    if (s->motion != NULL)
-    {
-        queue->end = job->kernels->collectMotionPairs(&s->motion[0], a, &s->motion[1], b, rules.pairMasks,
-                                                      rules.exclusions, rules.exclusionCount, queue->end);
-        return;
-    }
-    qcBvhBoxes boxesA = qcTriangleBvh_Boxes(s->a, &s->a->fit);
-    const qcPlaneTest test = {.sides = {s->sides[0], s->sides[1]},
-                              .thresholds = &s->thresholds,
-                              .isOne = s->same,
-                              .key = (uint64_t)number << 32,
-                              .cache = queue->planes};
-    const qcPlaneTest* planes = s->filters ? &test : NULL;
-    if (!s->same)
-    {
-        uint64_t clusters = FindClusterOverlaps(queue, nodes);
-        if (clusters != 0)
-            queue->end =
-                job->kernels->collectTransformedPairs(&boxesA, a, &s->transformed, b, clusters, planes, queue->end);
-        return;
-    }
-    queue->end = job->kernels->collectPairs(&boxesA, a, &boxesA, b, rules.pairMasks, rules.exclusions,
-                                            rules.exclusionCount, planes, queue->end);
-}
-
 /// Eight boxes of a node at the start and at the end, in the reference lattices; transformed ones are put into `own`.
-static void GetMotionBoxes(const Search* s, const qcMotionBvh* motion, const qcTriangleBvh* bvh,
+static void GetMotionBoxes(const qcBvhSearch* s, const qcMotionBvh* motion, const qcTriangleBvh* bvh,
                            const qcBvhFit* startFit, uint32_t level, uint32_t node, qcBox8 own[2],
                            const qcBox8* boxes[2])
 {
@@ -210,23 +53,23 @@ static void GetMotionBoxes(const Search* s, const qcMotionBvh* motion, const qcT
     }
 }
 
-static uint64_t FindMotionOverlaps(const Search* s, uint32_t level, NodePair nodes)
+static uint64_t FindMotionOverlaps(const qcBvhSearch* s, uint32_t levelA, uint32_t levelB, qcNodePair nodes)
 {
     qcBox8 ownA[2], ownB[2];
     const qcBox8 *a[2], *b[2];
-    GetMotionBoxes(s, &s->motion[0], s->a, qcTriangleBvh_StartFit(s->a, s->job->bodyA), level, nodes.a, ownA, a);
-    GetMotionBoxes(s, &s->motion[1], s->b, qcTriangleBvh_StartFit(s->b, s->job->bodyB), level, nodes.b, ownB, b);
+    GetMotionBoxes(s, &s->motion[0], s->a, qcTriangleBvh_StartFit(s->a, s->job->bodyA), levelA, nodes.a, ownA, a);
+    GetMotionBoxes(s, &s->motion[1], s->b, qcTriangleBvh_StartFit(s->b, s->job->bodyB), levelB, nodes.b, ownB, b);
     uint64_t overlaps = s->job->kernels->findMotionOverlaps(a, b);
     return s->same && nodes.a == nodes.b ? overlaps & s_inOrder : overlaps;
 }
 
 /// The overlapping children of two nodes: bit i + 8 j.
-static uint64_t FindOverlaps(const Search* s, uint32_t level, NodePair nodes)
+static uint64_t FindOverlaps(const qcBvhSearch* s, uint32_t levelA, uint32_t levelB, qcNodePair nodes)
 {
     if (s->motion != NULL)
-        return FindMotionOverlaps(s, level, nodes);
-    const qcBox8* a = qcTriangleBvh_Box8At(s->a, &s->a->fit, level, nodes.a);
-    const qcBox8* b = qcTriangleBvh_Box8At(s->b, &s->b->fit, level, nodes.b);
+        return FindMotionOverlaps(s, levelA, levelB, nodes);
+    const qcBox8* a = qcTriangleBvh_Box8At(s->a, &s->a->fit, levelA, nodes.a);
+    const qcBox8* b = qcTriangleBvh_Box8At(s->b, &s->b->fit, levelB, nodes.b);
     if (!s->same)
     {
         qcBox8 transformed;
@@ -241,10 +84,16 @@ static uint64_t FindOverlaps(const Search* s, uint32_t level, NodePair nodes)
     return nodes.a == nodes.b ? overlaps & s_inOrder : overlaps;
 }
 
-static NodePair ChildAt(NodePair nodes, uint32_t bit)
+/// The leaf nodes of a pair at level 1.
+static qcNodePair LeafNodes(const qcBvhSearch* s, qcNodePair nodes)
 {
-    return (NodePair){nodes.search, nodes.a * qc_boxLanes + bit % qc_boxLanes,
-                      nodes.b * qc_boxLanes + bit / qc_boxLanes};
+    return (qcNodePair){nodes.search, nodes.a, s->isLarge ? nodes.b / qc_boxLanes : nodes.b};
+}
+
+static qcNodePair ChildAt(qcNodePair nodes, uint32_t bit)
+{
+    return (qcNodePair){nodes.search, nodes.a * qc_boxLanes + bit % qc_boxLanes,
+                        nodes.b * qc_boxLanes + bit / qc_boxLanes};
 }
 
 /// The boxes of a leaf node that is compared soon, and of its clusters.
@@ -259,7 +108,7 @@ static void Prefetch(const qcTriangleBvh* bvh, uint32_t node)
         __builtin_prefetch(clusters + at);
 }
 
-static void PrefetchChildren(const Search* s, NodePair nodes, uint64_t overlaps)
+static void PrefetchChildren(const qcBvhSearch* s, qcNodePair nodes, uint64_t overlaps)
 {
     for (uint32_t i = 0; i < qc_boxLanes; i++)
     {
@@ -270,21 +119,93 @@ static void PrefetchChildren(const Search* s, NodePair nodes, uint64_t overlaps)
     }
 }
 
-static void Descend(Queue* queue, uint32_t level, NodePair nodes)
+static void Descend(qcPairQueue* queue, uint32_t level, qcNodePair nodes)
 {
     if (level == 1)
     {
-        CompareLeafNodes(queue, nodes);
+        qcPairQueue_AddNodes(queue, nodes);
         return;
     }
-    uint64_t overlaps = FindOverlaps(queue->search, level, nodes);
+    uint64_t overlaps = FindOverlaps(queue->search, level, level, nodes);
     if (level == 2 && queue->search->a->box8Count[0] > qc_minPrefetched)
         PrefetchChildren(queue->search, nodes, overlaps);
     for (; overlaps != 0; overlaps &= overlaps - 1)
         Descend(queue, level - 1, ChildAt(nodes, (uint32_t)__builtin_ctzll(overlaps)));
 }
 
+//  ---- large triangles beside small ones ---------------------------------------------------------------
+
+/// The boxes of a cluster's triangles: of a motion at both ends in the reference lattices, else in the lattice of b. In
+/// that of a, which may be turned, those of a floor would be as high as the floor is wide.
+typedef struct LargeTriangles
+{
+    const qcBox8* boxes[2];
+    qcBox8 own[2];
+} LargeTriangles;
+
+static void FindLargeTriangles(const qcBvhSearch* s, uint32_t cluster, LargeTriangles* large)
+{
+    large->boxes[0] = &qcTriangleBvh_Boxes(s->b, &s->b->fit).clusters[cluster];
+    for (int t = 0; t < 2 && s->motion != NULL; t++)
+    {
+        s->job->kernels->transformTriangles(&s->motion[1].at[t], cluster, &large->own[t]);
+        large->boxes[t] = &large->own[t];
+    }
+}
+
+/// The children of a node of a that one of the triangles overlaps: bit i.
+static uint32_t FindChildrenBeside(const qcBvhSearch* s, uint32_t level, uint32_t node, const LargeTriangles* large)
+{
+    const qcTriangleKernels* kernels = s->job->kernels;
+    qcBox8 own[2];
+    uint64_t overlaps;
+    if (s->motion != NULL)
+    {
+        const qcBox8* boxes[2];
+        GetMotionBoxes(s, &s->motion[0], s->a, qcTriangleBvh_StartFit(s->a, s->job->bodyA), level, node, own, boxes);
+        overlaps = kernels->findMotionOverlaps(boxes, large->boxes);
+    }
+    else
+    {
+        kernels->transformBoxes(qcTriangleBvh_Box8At(s->a, &s->a->fit, level, node), &s->reverse, &own[0]);
+        overlaps = kernels->findOverlaps(&own[0], large->boxes[0]);
+    }
+    overlaps |= overlaps >> 32;
+    overlaps |= overlaps >> 16;
+    overlaps |= overlaps >> 8;
+    return (uint32_t)overlaps & 0xffu;
+}
+
+static qcNodePair ChildBeside(qcNodePair nodes, uint32_t bit)
+{
+    return (qcNodePair){nodes.search, nodes.a * qc_boxLanes + bit, nodes.b};
+}
+
+static void DescendBeside(qcPairQueue* queue, uint32_t level, qcNodePair nodes, const LargeTriangles* large)
+{
+    uint32_t children = FindChildrenBeside(queue->search, level, nodes.a, large);
+    if (level == 1 && children != 0)
+        qcPairQueue_AddClusters(queue, LeafNodes(queue->search, nodes),
+                                (uint64_t)children << nodes.b % qc_boxLanes * qc_boxLanes);
+    for (; level > 1 && children != 0; children &= children - 1)
+        DescendBeside(queue, level - 1, ChildBeside(nodes, (uint32_t)__builtin_ctz(children)), large);
+}
+
 //  ---- two bodies ------------------------------------------------------------------------------------
+
+/// Estimate of the length of a triangle's edge, for a body as wide as long.
+static double TriangleSize(const qcBody* body)
+{
+    double widest = 0.0;
+    for (int axis = 0; axis < 3; axis++)
+        widest = fmax(widest, body->upper[axis] - body->lower[axis]);
+    return widest / sqrt((double)body->triangleCount);
+}
+
+bool qcBvhPairs_AreLarge(const qcBody* body, const qcBody* other)
+{
+    return TriangleSize(body) > qc_largeSize * TriangleSize(other);
+}
 
 static qcRigidTransform TransformOf(const qcTriangleBvh* bvh, const qcBody* body)
 {
@@ -313,7 +234,7 @@ qcDistanceThresholds qcTriangleBvh_Thresholds(const qcTriangleBvh* bvh, double q
 }
 
 /// From the lattice of a to that of b, for boxes.
-static void FindReverse(Search* s, const qcRigidTransform* transformA, const qcRigidTransform* transformB)
+static void FindReverse(qcBvhSearch* s, const qcRigidTransform* transformA, const qcRigidTransform* transformB)
 {
     qcRelativeTransform r = qcRelativeTransform_Find(transformB, transformA);
     qcTransformedBvh transformed;
@@ -331,7 +252,7 @@ static void FindReverse(Search* s, const qcRigidTransform* transformA, const qcR
     s->reverse = transformed.levels;
 }
 
-static void FindTransforms(Search* s)
+static void FindTransforms(qcBvhSearch* s)
 {
     qcRigidTransform transformA = TransformOf(s->a, s->job->bodyA), transformB = TransformOf(s->b, s->job->bodyB);
     qcRelativeTransform r = qcRelativeTransform_Find(&transformA, &transformB);
@@ -358,14 +279,16 @@ static void FindTransforms(Search* s)
     s->transformed.triangles = s->sides[1];
 }
 
-static void Prepare(Search* s, const qcBvhPairsJob* job, qcMotionBvh* motion)
+static void Prepare(qcBvhSearch* s, const qcBvhPairsJob* job, qcMotionBvh* motion)
 {
-    *s = (Search){.job = job,
-                  .a = &job->a->bvh,
-                  .b = &job->b->bvh,
-                  .same = job->a == job->b,
-                  .filters = true,
-                  .motion = job->motion ? motion : NULL};
+    *s = (qcBvhSearch){.job = job,
+                       .a = &job->a->bvh,
+                       .b = &job->b->bvh,
+                       .same = job->a == job->b,
+                       .filters = true,
+                       .motion = job->motion ? motion : NULL};
+    s->isLarge =
+        !s->same && s->b->fit.isLocal && s->a->clusters.nodeCount > 1 && qcBvhPairs_AreLarge(job->bodyB, job->bodyA);
     assert(!s->same || job->includeNeighbours || qcBodyBvh_FindsSelfPairs(job->a));
     if (job->motion)
     {
@@ -390,9 +313,9 @@ typedef struct Run
     size_t share; ///< pairs of nodes in a task
 } Run;
 
-static Search* SearchAt(const Run* run, size_t i)
+static qcBvhSearch* SearchAt(const Run* run, size_t i)
 {
-    return &QC_AT(Search, run->memory->searches, i);
+    return &QC_AT(qcBvhSearch, run->memory->searches, i);
 }
 
 static void PrepareBlock(void* context, size_t block, uint32_t worker)
@@ -404,28 +327,69 @@ static void PrepareBlock(void* context, size_t block, uint32_t worker)
                 run->memory->motions.count != 0 ? &QC_AT(qcMotionBvh, run->memory->motions, 2 * i) : NULL);
 }
 
-/// From the roots down, level by level, until there are `enough` pairs of nodes.
-static qcStatus FindNodePairs(qcArray* nodePairs, Search* s, uint32_t number, size_t enough)
+/// Appends the children of two nodes at these levels; 0: of large triangles.
+static qcStatus AppendChildren(qcArray* nodePairs, const qcBvhSearch* s, uint32_t levelA, uint32_t levelB,
+                               qcNodePair nodes)
 {
-    s->level = s->a->levels > s->b->levels ? s->a->levels : s->b->levels;
-    size_t first = nodePairs->count;
-    QC_TRY(qcArray_Resize(nodePairs, first + 1, sizeof(NodePair), "pairs of nodes"));
-    QC_AT(NodePair, *nodePairs, first) = (NodePair){number, 0, 0};
-    while (s->level > 1 && nodePairs->count > first && nodePairs->count - first < enough)
+    QC_TRY(qcArray_Reserve(nodePairs, nodePairs->count + 64, sizeof(qcNodePair), "pairs of nodes"));
+    if (levelB == 0)
     {
-        size_t end = nodePairs->count, at = end;
-        for (size_t i = first; i < end; i++)
-        {
-            NodePair nodes = QC_AT(NodePair, *nodePairs, i);
-            QC_TRY(qcArray_Reserve(nodePairs, at + 64, sizeof(NodePair), "pairs of nodes"));
-            for (uint64_t overlaps = FindOverlaps(s, s->level, nodes); overlaps != 0; overlaps &= overlaps - 1)
-                QC_AT(NodePair, *nodePairs, at++) = ChildAt(nodes, (uint32_t)__builtin_ctzll(overlaps));
-            nodePairs->count = at;
-        }
-        nodePairs->count = first + (at - end);
-        memmove(&QC_AT(NodePair, *nodePairs, first), &QC_AT(NodePair, *nodePairs, end), (at - end) * sizeof(NodePair));
-        s->level--;
+        LargeTriangles large;
+        FindLargeTriangles(s, nodes.b, &large);
+        for (uint32_t children = FindChildrenBeside(s, levelA, nodes.a, &large); children != 0;
+             children &= children - 1)
+            QC_AT(qcNodePair, *nodePairs, nodePairs->count++) = ChildBeside(nodes, (uint32_t)__builtin_ctz(children));
+        return qc_statusOk;
     }
+    for (uint64_t overlaps = FindOverlaps(s, levelA, levelB, nodes); overlaps != 0; overlaps &= overlaps - 1)
+        QC_AT(qcNodePair, *nodePairs, nodePairs->count++) = ChildAt(nodes, (uint32_t)__builtin_ctzll(overlaps));
+    return qc_statusOk;
+}
+
+/// Replaces the pairs from `first` on by their children.
+static qcStatus ReplaceByChildren(qcArray* nodePairs, size_t first, const qcBvhSearch* s, uint32_t levelA,
+                                  uint32_t levelB)
+{
+    size_t end = nodePairs->count;
+    for (size_t i = first; i < end; i++)
+        QC_TRY(AppendChildren(nodePairs, s, levelA, levelB, QC_AT(qcNodePair, *nodePairs, i)));
+    size_t count = nodePairs->count - end;
+    memmove(&QC_AT(qcNodePair, *nodePairs, first), &QC_AT(qcNodePair, *nodePairs, end), count * sizeof(qcNodePair));
+    nodePairs->count = first + count;
+    return qc_statusOk;
+}
+
+/// The pair of the roots or, if the triangles of b are large, of a's root and each cluster of b that it overlaps.
+static qcStatus AppendRoots(qcArray* nodePairs, qcBvhSearch* s, uint32_t number)
+{
+    size_t first = nodePairs->count;
+    const qcNodePair roots = {number, 0, 0};
+    QC_TRY(qcArray_Resize(nodePairs, first + 1, sizeof(qcNodePair), "pairs of nodes"));
+    QC_AT(qcNodePair, *nodePairs, first) = roots;
+    s->level = s->a->levels > s->b->levels ? s->a->levels : s->b->levels;
+    if (!s->isLarge)
+        return qc_statusOk;
+    for (uint32_t level = s->b->levels - 1; level > 0; level--)
+        QC_TRY(ReplaceByChildren(nodePairs, first, s, UINT32_MAX, level));
+    s->isLarge = nodePairs->count - first <= s->a->clusters.nodeCount;
+    if (s->isLarge)
+    {
+        s->level = s->a->levels - 1;
+        return qc_statusOk;
+    }
+    // There are small ones, too.
+    nodePairs->count = first + 1;
+    QC_AT(qcNodePair, *nodePairs, first) = roots;
+    return qc_statusOk;
+}
+
+/// From the roots down, level by level, until there are `enough` pairs of nodes.
+static qcStatus FindNodePairs(qcArray* nodePairs, qcBvhSearch* s, uint32_t number, size_t enough)
+{
+    size_t first = nodePairs->count;
+    QC_TRY(AppendRoots(nodePairs, s, number));
+    for (; s->level > 1 && nodePairs->count > first && nodePairs->count - first < enough; s->level--)
+        QC_TRY(ReplaceByChildren(nodePairs, first, s, s->level, s->isLarge ? 0 : s->level));
     return qc_statusOk;
 }
 
@@ -456,7 +420,7 @@ static qcStatus FindAllNodePairs(const Run* run, double clusters, uint32_t threa
         double enough = total * (double)SizeOf(job) / clusters;
         QC_TRY(FindNodePairs(nodePairs, SearchAt(run, i), (uint32_t)i, isOutline ? SIZE_MAX : (size_t)enough));
         for (size_t k = first; isOutline && k < nodePairs->count; k++)
-            MarkVisited(job, QC_AT(NodePair, *nodePairs, k));
+            qcBvhPairsJob_MarkVisited(job, LeafNodes(SearchAt(run, i), QC_AT(qcNodePair, *nodePairs, k)));
     }
     return qc_statusOk;
 }
@@ -465,7 +429,7 @@ static void SearchTask(void* context, size_t task, uint32_t worker)
 {
     const Run* run = context;
     const qcArray* nodePairs = &run->memory->nodePairs;
-    Queue queue = {.transformedKey = UINT64_MAX, .worker = worker, .isOpen = true};
+    qcPairQueue queue = {.transformedKey = UINT64_MAX, .worker = worker, .isOpen = true};
     queue.planes = &QC_AT(qcPlaneCache, run->memory->planes, worker);
     memset(queue.planes->keys, 0xff, sizeof queue.planes->keys);
     memset(queue.planes->boxKeys, 0xff, sizeof queue.planes->boxKeys);
@@ -474,14 +438,21 @@ static void SearchTask(void* context, size_t task, uint32_t worker)
            end = first + (left < run->share ? left : run->share);
     for (size_t k = first; k < end; k++)
     {
-        NodePair nodes = QC_AT(NodePair, *nodePairs, k);
-        const Search* search = SearchAt(run, nodes.search);
+        qcNodePair nodes = QC_AT(qcNodePair, *nodePairs, k);
+        const qcBvhSearch* search = SearchAt(run, nodes.search);
         if (queue.search != NULL && queue.search != search)
-            Flush(&queue);
+            qcPairQueue_Flush(&queue);
         queue.search = search;
-        Descend(&queue, search->level, nodes);
+        if (search->isLarge)
+        {
+            LargeTriangles large;
+            FindLargeTriangles(search, nodes.b, &large);
+            DescendBeside(&queue, search->level, nodes, &large);
+        }
+        else
+            Descend(&queue, search->level, nodes);
     }
-    Flush(&queue);
+    qcPairQueue_Flush(&queue);
 }
 
 /// Few clusters stay on one thread.
@@ -493,7 +464,7 @@ static uint32_t ThreadsFor(double clusters, uint32_t threads)
 qcStatus qcBvhPairs_Begin(qcBvhPairs* pairs, const qcBvhPairsJob* jobs, size_t jobCount, uint32_t threads)
 {
     Run run = {.memory = pairs, .jobs = jobs, .jobCount = jobCount};
-    QC_TRY(qcArray_Resize(&pairs->searches, jobCount, sizeof(Search), "searches of BVHs"));
+    QC_TRY(qcArray_Resize(&pairs->searches, jobCount, sizeof(qcBvhSearch), "searches of BVHs"));
     bool isMotion = jobCount != 0 && jobs[0].motion;
     QC_TRY(qcArray_Resize(&pairs->motions, isMotion ? 2 * jobCount : 0, sizeof(qcMotionBvh), "searches of BVHs"));
     QC_TRY(qcArray_Resize(&pairs->queues, (size_t)threads * qc_queueRoom, sizeof(qcSlotPair), "pairs of slots"));

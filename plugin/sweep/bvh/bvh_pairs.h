@@ -9,6 +9,9 @@
 /// apart than `query` are dropped.
 qcDistanceThresholds qcTriangleBvh_Thresholds(const qcTriangleBvh* bvh, double query, double near);
 
+/// True if the triangles of a body are several times as large as those of another. An estimate, by boxes and counts.
+bool qcBvhPairs_AreLarge(const qcBody* body, const qcBody* other);
+
 /// Receives pairs. False: the search may stop.
 typedef bool qcBvhPairsFunction(void* context, const qcClassifiedPairs* found, uint32_t worker);
 

@@ -1,0 +1,32 @@
+// A search of one BVH, or of two, in progress (bvh_pairs.c, leaf_pairs.c).
+#ifndef QC_SWEEP_BVH_BVH_SEARCH_H
+#define QC_SWEEP_BVH_BVH_SEARCH_H
+
+#include "sweep/bvh/bvh_pairs.h"
+
+typedef struct qcBvhSearch
+{
+    const qcBvhPairsJob* job;
+    const qcTriangleBvh *a, *b;
+    uint32_t level;               ///< of its node pairs
+    qcTransformedBvh transformed; ///< b in the lattice of a
+    /// b is local: boxes are compared in its lattice too, above leaf nodes. In these that would take as long as it
+    /// saves.
+    bool isTurned;
+    qcBoxTransform reverse; ///< from the lattice of a to that of b, if isTurned
+    qcIndexedTriangles sides[2];
+    qcDistanceThresholds thresholds;
+    bool same;
+    bool isLarge;        ///< b's triangles are large: each of its clusters goes down the BVH of a by itself
+    bool filters;        ///< false: the thresholds are too inexact for the filter
+    qcMotionBvh* motion; ///< of a and of b; null: no motion
+} qcBvhSearch;
+
+/// Two nodes of the present level of a search. Where triangles are large, b is a cluster.
+typedef struct qcNodePair
+{
+    uint32_t search; ///< its number
+    uint32_t a, b;
+} qcNodePair;
+
+#endif
