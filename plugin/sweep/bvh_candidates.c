@@ -98,22 +98,14 @@ static PairSides MakeSides(const Run* run, uint32_t a, uint32_t b)
     return sides;
 }
 
-/// World coordinates come first: the local BVH is transformed into them, and no transform is inverted. Of two local
-/// ones, large triangles come second.
-static bool MustSwap(const Run* run, uint32_t a, uint32_t b)
-{
-    const qcStepTriangles* t = run->job->triangles;
-    return BvhOf(run, a)->bvh.fit.isLocal &&
-           (!BvhOf(run, b)->bvh.fit.isLocal ||
-            qcBvhPairs_AreLarge(qcStepTriangles_Body(t, a), qcStepTriangles_Body(t, b)));
-}
-
 /// Appends a job; there is room for it.
 static void AddJob(const Run* run, uint32_t a, uint32_t b)
 {
     qcBvhCandidates* sweep = run->sweep;
     const qcBvhCandidatesJob* job = run->job;
-    if (MustSwap(run, a, b))
+    const qcStepTriangles* t = job->triangles;
+    if (a != b &&
+        !qcBvhPairs_AreInOrder(BvhOf(run, a), qcStepTriangles_Body(t, a), BvhOf(run, b), qcStepTriangles_Body(t, b)))
     {
         uint32_t first = b;
         b = a;

@@ -33,6 +33,7 @@ enum
     qc_minPrefetched = 16384,
     // Triangles are large if they are this many times as large as the others, so that one is beside many of these.
     qc_largeSize = 4,
+    qc_levels = 65533, // of a lattice
     qc_queueRoom = qc_queueFull + qc_maxCollected
 };
 
@@ -84,12 +85,6 @@ static uint64_t FindOverlaps(const qcBvhSearch* s, uint32_t levelA, uint32_t lev
     return nodes.a == nodes.b ? overlaps & s_inOrder : overlaps;
 }
 
-/// The leaf nodes of a pair at level 1.
-static qcNodePair LeafNodes(const qcBvhSearch* s, qcNodePair nodes)
-{
-    return (qcNodePair){nodes.search, nodes.a, s->isLarge ? nodes.b / qc_boxLanes : nodes.b};
-}
-
 static qcNodePair ChildAt(qcNodePair nodes, uint32_t bit)
 {
     return (qcNodePair){nodes.search, nodes.a * qc_boxLanes + bit % qc_boxLanes,
@@ -135,39 +130,50 @@ static void Descend(qcPairQueue* queue, uint32_t level, qcNodePair nodes)
 
 //  ---- large triangles beside small ones ---------------------------------------------------------------
 
-/// The boxes of a cluster's triangles: of a motion at both ends in the reference lattices, else in the lattice of b. In
-/// that of a, which may be turned, those of a floor would be as high as the floor is wide.
+/// The boxes of a cluster's triangles: over a motion at both ends in the reference lattices, else in the lattice of
+/// their own BVH. In that of the other one, which may be turned, those of a floor would be as high as the floor is
+/// wide.
 typedef struct LargeTriangles
 {
     const qcBox8* boxes[2];
     qcBox8 own[2];
 } LargeTriangles;
 
-static void FindLargeTriangles(const qcBvhSearch* s, uint32_t cluster, LargeTriangles* large)
+static void FindLargeTriangles(const qcBvhSearch* s, qcNodePair nodes, LargeTriangles* large)
 {
-    large->boxes[0] = &qcTriangleBvh_Boxes(s->b, &s->b->fit).clusters[cluster];
+    const qcTriangleBvh* bvh = s->large == 0 ? s->a : s->b;
+    uint32_t cluster = s->large == 0 ? nodes.a : nodes.b;
+    large->boxes[0] = &qcTriangleBvh_Boxes(bvh, &bvh->fit).clusters[cluster];
     for (int t = 0; t < 2 && s->motion != NULL; t++)
     {
-        s->job->kernels->transformTriangles(&s->motion[1].at[t], cluster, &large->own[t]);
+        const qcMotionBvh* motion = &s->motion[s->large];
+        large->boxes[t] = &motion->at[t].boxes.clusters[cluster];
+        if (!motion->isTransformed)
+            continue;
+        s->job->kernels->transformTriangles(&motion->at[t], cluster, &large->own[t]);
         large->boxes[t] = &large->own[t];
     }
 }
 
-/// The children of a node of a that one of the triangles overlaps: bit i.
-static uint32_t FindChildrenBeside(const qcBvhSearch* s, uint32_t level, uint32_t node, const LargeTriangles* large)
+/// The children of the other BVH's node that one of the triangles overlaps: bit i.
+static uint32_t FindChildrenBeside(const qcBvhSearch* s, uint32_t level, qcNodePair nodes, const LargeTriangles* large)
 {
     const qcTriangleKernels* kernels = s->job->kernels;
+    const qcTriangleBvh* bvh = s->large == 0 ? s->b : s->a;
+    uint32_t node = s->large == 0 ? nodes.b : nodes.a;
     qcBox8 own[2];
     uint64_t overlaps;
     if (s->motion != NULL)
     {
         const qcBox8* boxes[2];
-        GetMotionBoxes(s, &s->motion[0], s->a, qcTriangleBvh_StartFit(s->a, s->job->bodyA), level, node, own, boxes);
+        const qcBody* body = s->large == 0 ? s->job->bodyB : s->job->bodyA;
+        GetMotionBoxes(s, &s->motion[1 - s->large], bvh, qcTriangleBvh_StartFit(bvh, body), level, node, own, boxes);
         overlaps = kernels->findMotionOverlaps(boxes, large->boxes);
     }
     else
     {
-        kernels->transformBoxes(qcTriangleBvh_Box8At(s->a, &s->a->fit, level, node), &s->reverse, &own[0]);
+        kernels->transformBoxes(qcTriangleBvh_Box8At(bvh, &bvh->fit, level, node),
+                                s->large == 0 ? &s->transformed.levels : &s->reverse, &own[0]);
         overlaps = kernels->findOverlaps(&own[0], large->boxes[0]);
     }
     overlaps |= overlaps >> 32;
@@ -176,35 +182,81 @@ static uint32_t FindChildrenBeside(const qcBvhSearch* s, uint32_t level, uint32_
     return (uint32_t)overlaps & 0xffu;
 }
 
-static qcNodePair ChildBeside(qcNodePair nodes, uint32_t bit)
+static qcNodePair ChildBeside(const qcBvhSearch* s, qcNodePair nodes, uint32_t bit)
 {
-    return (qcNodePair){nodes.search, nodes.a * qc_boxLanes + bit, nodes.b};
+    uint32_t* node = s->large == 0 ? &nodes.b : &nodes.a;
+    *node = *node * qc_boxLanes + bit;
+    return nodes;
+}
+
+/// The leaf nodes of a pair at level 1.
+static qcNodePair LeafNodes(const qcBvhSearch* s, qcNodePair nodes)
+{
+    if (!s->hasLarge)
+        return nodes;
+    uint32_t* cluster = s->large == 0 ? &nodes.a : &nodes.b;
+    *cluster /= qc_boxLanes;
+    return nodes;
 }
 
 static void DescendBeside(qcPairQueue* queue, uint32_t level, qcNodePair nodes, const LargeTriangles* large)
 {
-    uint32_t children = FindChildrenBeside(queue->search, level, nodes.a, large);
+    const qcBvhSearch* s = queue->search;
+    uint32_t children = FindChildrenBeside(s, level, nodes, large);
     if (level == 1 && children != 0)
-        qcPairQueue_AddClusters(queue, LeafNodes(queue->search, nodes),
-                                (uint64_t)children << nodes.b % qc_boxLanes * qc_boxLanes);
+    {
+        unsigned cluster = 1u << (s->large == 0 ? nodes.a : nodes.b) % qc_boxLanes;
+        qcPairQueue_AddClusters(queue, LeafNodes(s, nodes),
+                                s->large == 0 ? qcPairMask_Product(cluster, children)
+                                              : qcPairMask_Product(children, cluster));
+    }
     for (; level > 1 && children != 0; children &= children - 1)
-        DescendBeside(queue, level - 1, ChildBeside(nodes, (uint32_t)__builtin_ctz(children)), large);
+        DescendBeside(queue, level - 1, ChildBeside(s, nodes, (uint32_t)__builtin_ctz(children)), large);
 }
 
 //  ---- two bodies ------------------------------------------------------------------------------------
 
-/// Estimate of the length of a triangle's edge, for a body as wide as long.
-static double TriangleSize(const qcBody* body)
+/// The longest side of a body's box.
+static double SizeOfBody(const qcBody* body)
 {
     double widest = 0.0;
     for (int axis = 0; axis < 3; axis++)
         widest = fmax(widest, body->upper[axis] - body->lower[axis]);
-    return widest / sqrt((double)body->triangleCount);
+    return widest;
 }
 
-bool qcBvhPairs_AreLarge(const qcBody* body, const qcBody* other)
+/// True if one body's triangles are several times as large as the other's: an estimate, for bodies as wide as long.
+static bool AreLarge(const qcBody* body, const qcBody* other)
 {
-    return TriangleSize(body) > qc_largeSize * TriangleSize(other);
+    double size = SizeOfBody(body), otherSize = SizeOfBody(other) * qc_largeSize;
+    return size * size * other->triangleCount > otherSize * otherSize * body->triangleCount;
+}
+
+/// True if the levels of a lattice around one body are smaller than the other's triangles.
+static bool IsLatticeFine(const qcBody* body, const qcBody* other)
+{
+    double triangle = SizeOfBody(other) / sqrt((double)other->triangleCount);
+    return SizeOfBody(body) < qc_levels * triangle;
+}
+
+bool qcBvhPairs_AreInOrder(const qcBodyBvh* a, const qcBody* bodyA, const qcBodyBvh* b, const qcBody* bodyB)
+{
+    if (a->bvh.fit.isLocal != b->bvh.fit.isLocal)
+        return !a->bvh.fit.isLocal;
+    bool isB = AreLarge(bodyB, bodyA);
+    if (!isB && !AreLarge(bodyA, bodyB))
+        return true;
+    bool isFirst = !a->bvh.fit.isLocal || IsLatticeFine(isB ? bodyB : bodyA, isB ? bodyA : bodyB);
+    return isB != isFirst;
+}
+
+/// Finds the BVH with large triangles, if there is one. For those of b the lattice of b has to be known.
+static void FindLarge(qcBvhSearch* s)
+{
+    const qcBody *a = s->job->bodyA, *b = s->job->bodyB;
+    s->large = s->b->fit.isLocal && AreLarge(b, a);
+    const qcTriangleBvh *large = s->large == 0 ? s->a : s->b, *small = s->large == 0 ? s->b : s->a;
+    s->hasLarge = (s->large == 1 || AreLarge(a, b)) && small->clusters.nodeCount > 1 && !large->fit.isOutline;
 }
 
 static qcRigidTransform TransformOf(const qcTriangleBvh* bvh, const qcBody* body)
@@ -287,8 +339,8 @@ static void Prepare(qcBvhSearch* s, const qcBvhPairsJob* job, qcMotionBvh* motio
                        .same = job->a == job->b,
                        .filters = true,
                        .motion = job->motion ? motion : NULL};
-    s->isLarge =
-        !s->same && s->b->fit.isLocal && s->a->clusters.nodeCount > 1 && qcBvhPairs_AreLarge(job->bodyB, job->bodyA);
+    if (!s->same)
+        FindLarge(s);
     assert(!s->same || job->includeNeighbours || qcBodyBvh_FindsSelfPairs(job->a));
     if (job->motion)
     {
@@ -327,39 +379,50 @@ static void PrepareBlock(void* context, size_t block, uint32_t worker)
                 run->memory->motions.count != 0 ? &QC_AT(qcMotionBvh, run->memory->motions, 2 * i) : NULL);
 }
 
-/// Appends the children of two nodes at these levels; 0: of large triangles.
+/// Appends the children of two nodes at these levels.
 static qcStatus AppendChildren(qcArray* nodePairs, const qcBvhSearch* s, uint32_t levelA, uint32_t levelB,
                                qcNodePair nodes)
 {
     QC_TRY(qcArray_Reserve(nodePairs, nodePairs->count + 64, sizeof(qcNodePair), "pairs of nodes"));
-    if (levelB == 0)
-    {
-        LargeTriangles large;
-        FindLargeTriangles(s, nodes.b, &large);
-        for (uint32_t children = FindChildrenBeside(s, levelA, nodes.a, &large); children != 0;
-             children &= children - 1)
-            QC_AT(qcNodePair, *nodePairs, nodePairs->count++) = ChildBeside(nodes, (uint32_t)__builtin_ctz(children));
-        return qc_statusOk;
-    }
     for (uint64_t overlaps = FindOverlaps(s, levelA, levelB, nodes); overlaps != 0; overlaps &= overlaps - 1)
         QC_AT(qcNodePair, *nodePairs, nodePairs->count++) = ChildAt(nodes, (uint32_t)__builtin_ctzll(overlaps));
     return qc_statusOk;
 }
 
-/// Replaces the pairs from `first` on by their children.
-static qcStatus ReplaceByChildren(qcArray* nodePairs, size_t first, const qcBvhSearch* s, uint32_t levelA,
-                                  uint32_t levelB)
+/// Appends the children of a node beside a cluster of large triangles.
+static qcStatus AppendChildrenBeside(qcArray* nodePairs, const qcBvhSearch* s, uint32_t level, qcNodePair nodes)
 {
-    size_t end = nodePairs->count;
-    for (size_t i = first; i < end; i++)
-        QC_TRY(AppendChildren(nodePairs, s, levelA, levelB, QC_AT(qcNodePair, *nodePairs, i)));
-    size_t count = nodePairs->count - end;
-    memmove(&QC_AT(qcNodePair, *nodePairs, first), &QC_AT(qcNodePair, *nodePairs, end), count * sizeof(qcNodePair));
-    nodePairs->count = first + count;
+    QC_TRY(qcArray_Reserve(nodePairs, nodePairs->count + qc_boxLanes, sizeof(qcNodePair), "pairs of nodes"));
+    LargeTriangles large;
+    FindLargeTriangles(s, nodes, &large);
+    for (uint32_t children = FindChildrenBeside(s, level, nodes, &large); children != 0; children &= children - 1)
+        QC_AT(qcNodePair, *nodePairs, nodePairs->count++) = ChildBeside(s, nodes, (uint32_t)__builtin_ctz(children));
     return qc_statusOk;
 }
 
-/// The pair of the roots or, if the triangles of b are large, of a's root and each cluster of b that it overlaps.
+/// Removes the pairs of nodes from `first` to `end`.
+static void RemoveNodePairs(qcArray* nodePairs, size_t first, size_t end)
+{
+    size_t count = nodePairs->count - end;
+    memmove(&QC_AT(qcNodePair, *nodePairs, first), &QC_AT(qcNodePair, *nodePairs, end), count * sizeof(qcNodePair));
+    nodePairs->count = first + count;
+}
+
+/// Replaces the roots, at `first`, by each cluster of large triangles that overlaps the other root, and that root.
+static qcStatus ReplaceByClusters(qcArray* nodePairs, size_t first, const qcBvhSearch* s)
+{
+    for (uint32_t level = (s->large == 0 ? s->a->levels : s->b->levels) - 1; level > 0; level--)
+    {
+        size_t end = nodePairs->count;
+        for (size_t i = first; i < end; i++)
+            QC_TRY(AppendChildren(nodePairs, s, s->large == 0 ? level : UINT32_MAX, s->large == 0 ? UINT32_MAX : level,
+                                  QC_AT(qcNodePair, *nodePairs, i)));
+        RemoveNodePairs(nodePairs, first, end);
+    }
+    return qc_statusOk;
+}
+
+/// Appends the pairs from which the search goes down.
 static qcStatus AppendRoots(qcArray* nodePairs, qcBvhSearch* s, uint32_t number)
 {
     size_t first = nodePairs->count;
@@ -367,17 +430,17 @@ static qcStatus AppendRoots(qcArray* nodePairs, qcBvhSearch* s, uint32_t number)
     QC_TRY(qcArray_Resize(nodePairs, first + 1, sizeof(qcNodePair), "pairs of nodes"));
     QC_AT(qcNodePair, *nodePairs, first) = roots;
     s->level = s->a->levels > s->b->levels ? s->a->levels : s->b->levels;
-    if (!s->isLarge)
+    if (!s->hasLarge)
         return qc_statusOk;
-    for (uint32_t level = s->b->levels - 1; level > 0; level--)
-        QC_TRY(ReplaceByChildren(nodePairs, first, s, UINT32_MAX, level));
-    s->isLarge = nodePairs->count - first <= s->a->clusters.nodeCount;
-    if (s->isLarge)
+    QC_TRY(ReplaceByClusters(nodePairs, first, s));
+    const qcTriangleBvh* small = s->large == 0 ? s->b : s->a;
+    if (nodePairs->count - first <= small->clusters.nodeCount)
     {
-        s->level = s->a->levels - 1;
+        s->level = small->levels - 1;
         return qc_statusOk;
     }
-    // There are small ones, too.
+    // There are small triangles among the large ones.
+    s->hasLarge = false;
     nodePairs->count = first + 1;
     QC_AT(qcNodePair, *nodePairs, first) = roots;
     return qc_statusOk;
@@ -389,7 +452,16 @@ static qcStatus FindNodePairs(qcArray* nodePairs, qcBvhSearch* s, uint32_t numbe
     size_t first = nodePairs->count;
     QC_TRY(AppendRoots(nodePairs, s, number));
     for (; s->level > 1 && nodePairs->count > first && nodePairs->count - first < enough; s->level--)
-        QC_TRY(ReplaceByChildren(nodePairs, first, s, s->level, s->isLarge ? 0 : s->level));
+    {
+        size_t end = nodePairs->count;
+        for (size_t i = first; i < end; i++)
+        {
+            qcNodePair nodes = QC_AT(qcNodePair, *nodePairs, i);
+            QC_TRY(s->hasLarge ? AppendChildrenBeside(nodePairs, s, s->level, nodes)
+                               : AppendChildren(nodePairs, s, s->level, s->level, nodes));
+        }
+        RemoveNodePairs(nodePairs, first, end);
+    }
     return qc_statusOk;
 }
 
@@ -443,10 +515,10 @@ static void SearchTask(void* context, size_t task, uint32_t worker)
         if (queue.search != NULL && queue.search != search)
             qcPairQueue_Flush(&queue);
         queue.search = search;
-        if (search->isLarge)
+        if (search->hasLarge)
         {
             LargeTriangles large;
-            FindLargeTriangles(search, nodes.b, &large);
+            FindLargeTriangles(search, nodes, &large);
             DescendBeside(&queue, search->level, nodes, &large);
         }
         else

@@ -9,8 +9,10 @@
 /// apart than `query` are dropped.
 qcDistanceThresholds qcTriangleBvh_Thresholds(const qcTriangleBvh* bvh, double query, double near);
 
-/// True if the triangles of a body are several times as large as those of another. An estimate, by boxes and counts.
-bool qcBvhPairs_AreLarge(const qcBody* body, const qcBody* other);
+/// False if a job has these two bodies in the other order. World coordinates come first: the local BVH is transformed
+/// into them, and no transform is inverted. Of two local bodies, or of two others, large triangles come first, in whose
+/// lattice the boxes of both are tight; of local ones only where their lattice is fine enough for the small ones.
+bool qcBvhPairs_AreInOrder(const qcBodyBvh* a, const qcBody* bodyA, const qcBodyBvh* b, const qcBody* bodyB);
 
 /// Receives pairs. False: the search may stop.
 typedef bool qcBvhPairsFunction(void* context, const qcClassifiedPairs* found, uint32_t worker);

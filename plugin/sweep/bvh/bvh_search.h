@@ -17,12 +17,13 @@ typedef struct qcBvhSearch
     qcIndexedTriangles sides[2];
     qcDistanceThresholds thresholds;
     bool same;
-    bool isLarge;        ///< b's triangles are large: each of its clusters goes down the BVH of a by itself
+    bool hasLarge;       ///< one of the BVHs has large triangles: each of its clusters goes down the other by itself
+    int large;           ///< 0: a has, 1: b has
     bool filters;        ///< false: the thresholds are too inexact for the filter
     qcMotionBvh* motion; ///< of a and of b; null: no motion
 } qcBvhSearch;
 
-/// Two nodes of the present level of a search. Where triangles are large, b is a cluster.
+/// Two nodes of the present level of a search. Of a BVH with large triangles, a cluster.
 typedef struct qcNodePair
 {
     uint32_t search; ///< its number
