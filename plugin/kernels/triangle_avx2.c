@@ -40,6 +40,71 @@ static inline __m256 MaxFloats(__m256 a, __m256 b)
     return _mm256_max_ps(a, b);
 }
 
+/// The ends of eight boxes by axis.
+typedef struct Ends
+{
+    __m256i axis[3];
+} Ends;
+
+static inline Ends EndsOf(const qcBox8* boxes)
+{
+    Ends ends;
+    for (int axis = 0; axis < 3; axis++)
+        ends.axis[axis] = _mm256_loadu_si256((const __m256i*)boxes->ends[axis]);
+    return ends;
+}
+
+static inline Ends UnitedEndsOf(const qcBox8* const boxes[2])
+{
+    Ends ends = EndsOf(boxes[0]), other = EndsOf(boxes[1]);
+    for (int axis = 0; axis < 3; axis++)
+        ends.axis[axis] = _mm256_min_epi16(ends.axis[axis], other.axis[axis]);
+    return ends;
+}
+
+/// Bit i + 8 j: box i of a overlaps box j of b. Two boxes of b at a time, against all boxes of a.
+static inline uint64_t FindEndsOverlaps(const Ends* a, const Ends* b)
+{
+    __m256i ends[3], limits[3];
+    for (int axis = 0; axis < 3; axis++)
+    {
+        ends[axis] = a->axis[axis];
+        // Lower ends of a are compared with upper ends of b, and vice versa.
+        __m256i other = b->axis[axis];
+        limits[axis] = _mm256_xor_si256(_mm256_permute4x64_epi64(other, 0x4e), _mm256_set1_epi8(-1));
+    }
+    uint64_t disjoint = 0;
+    for (int j = 0; j < qc_boxLanes; j += 2)
+    {
+        __m256i row[2];
+        for (int k = 0; k < 2; k++)
+        {
+            __m256i pick = _mm256_set1_epi16((short)(0x0100 + 0x0202 * (j + k)));
+            row[k] = _mm256_cmpgt_epi16(ends[0], _mm256_shuffle_epi8(limits[0], pick));
+            for (int axis = 1; axis < 3; axis++)
+                row[k] =
+                    _mm256_or_si256(row[k], _mm256_cmpgt_epi16(ends[axis], _mm256_shuffle_epi8(limits[axis], pick)));
+        }
+        __m256i both = _mm256_packs_epi16(row[0], row[1]);
+        __m128i either = _mm_or_si128(_mm256_castsi256_si128(both), _mm256_extracti128_si256(both, 1));
+        disjoint |= (uint64_t)(uint32_t)_mm_movemask_epi8(either) << 8 * j;
+    }
+    return ~disjoint;
+}
+
+static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
+{
+    Ends endsA = EndsOf(a), endsB = EndsOf(b);
+    return FindEndsOverlaps(&endsA, &endsB);
+}
+
+/// The boxes around both ends.
+static inline uint64_t FindUnitedOverlaps(const qcBox8* const a[2], const qcBox8* const b[2])
+{
+    Ends endsA = UnitedEndsOf(a), endsB = UnitedEndsOf(b);
+    return FindEndsOverlaps(&endsA, &endsB);
+}
+
 /// By four bits: the halves of the 64-bit lanes whose bits are set, in order.
 static const uint8_t s_lanes[16][8] = {{0},
                                        {0, 1},

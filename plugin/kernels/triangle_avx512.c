@@ -48,6 +48,50 @@ static inline qcSlotPair* AddListed(uint32_t kept, const uint8_t listed[8], qcSl
     return pairs + __builtin_popcount(kept);
 }
 
+/// Bit i + 8 j: box i of a overlaps box j of b. Four boxes of b at a time, against all boxes of a. Upper ends are stored
+/// as complements -1 - upper, so that lower <= upper is the sign of a sum; saturation keeps it. Comparisons to masks
+/// would share a port with the shuffles.
+static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
+{
+    __m512i lower[3], upper[3], otherLower[3], otherUpper[3];
+    for (int axis = 0; axis < 3; axis++)
+    {
+        lower[axis] = _mm512_broadcast_i32x4(_mm_loadu_si128((const __m128i*)a->ends[axis]));
+        upper[axis] = _mm512_broadcast_i32x4(_mm_loadu_si128((const __m128i*)(a->ends[axis] + qc_boxLanes)));
+        otherLower[axis] = _mm512_broadcast_i32x4(_mm_loadu_si128((const __m128i*)b->ends[axis]));
+        otherUpper[axis] = _mm512_broadcast_i32x4(_mm_loadu_si128((const __m128i*)(b->ends[axis] + qc_boxLanes)));
+    }
+    __m512i pick = _mm512_set_epi64(0x0706070607060706, 0x0706070607060706, 0x0504050405040504, 0x0504050405040504,
+                                    0x0302030203020302, 0x0302030203020302, 0x0100010001000100, 0x0100010001000100);
+    uint64_t overlaps = 0;
+    for (int half = 0; half < 2; half++)
+    {
+        __m512i both = _mm512_set1_epi16(-1);
+        for (int axis = 0; axis < 3; axis++)
+        {
+            __m512i first = _mm512_adds_epi16(lower[axis], _mm512_shuffle_epi8(otherUpper[axis], pick)),
+                    second = _mm512_adds_epi16(upper[axis], _mm512_shuffle_epi8(otherLower[axis], pick));
+            both = _mm512_and_si512(both, _mm512_and_si512(first, second));
+        }
+        overlaps |= (uint64_t)_mm512_movepi16_mask(both) << 32 * half;
+        pick = _mm512_add_epi8(pick, _mm512_set1_epi8(8));
+    }
+    return overlaps;
+}
+
+/// The boxes around both ends.
+static inline uint64_t FindUnitedOverlaps(const qcBox8* const a[2], const qcBox8* const b[2])
+{
+    const qcBox8* const* sides[2] = {a, b};
+    qcBox8 united[2];
+    for (int side = 0; side < 2; side++)
+        for (int axis = 0; axis < 3; axis++)
+            _mm256_storeu_si256((__m256i*)united[side].ends[axis],
+                                _mm256_min_epi16(_mm256_loadu_si256((const __m256i*)sides[side][0]->ends[axis]),
+                                                 _mm256_loadu_si256((const __m256i*)sides[side][1]->ends[axis])));
+    return FindBoxOverlaps(&united[0], &united[1]);
+}
+
 /// An axis separates a motion if it separates in the same order at both ends.
 static inline uint64_t FindMotionBoxOverlaps(const qcBox8* const a[2], const qcBox8* const b[2])
 {
