@@ -64,9 +64,9 @@ size_t qcPairMask_Pack(const uint64_t words[qc_pairMaskWords], uint64_t packed[q
 /// A word of a packed mask that has any bits. Reads one word more than the mask has, without using it.
 static inline uint64_t qcPairMask_Word(const uint64_t* packed, uint32_t word)
 {
-    uint64_t bit = UINT64_C(1) << word;
-    uint64_t some = packed[2 + __builtin_popcountll(packed[0] & (bit - 1))];
-    return (packed[0] & bit) != 0 ? some : UINT64_MAX;
+    uint64_t below = (UINT64_C(1) << word) - 1;
+    // Without a branch: which words are packed follows no pattern.
+    return packed[2 + __builtin_popcountll(packed[0] & below)] | ((packed[0] >> word & 1) - 1);
 }
 
 /// The packed mask of all pairs within one node, each once, as if no two of its triangles shared a vertex.
