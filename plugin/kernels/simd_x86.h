@@ -13,20 +13,22 @@ static inline Shorts MinShorts(Shorts a, Shorts b)
     return _mm_min_epi16(a, b);
 }
 
-/// Bit i: box i overlaps the one of the row.
+/// Bit i: box i overlaps the one of the row. Upper ends are stored as complements -1 - upper, so that lower <= upper is
+/// the sign of a sum; saturation keeps it.
 static inline uint32_t FindRowOverlaps(const qcBox8* boxes, const qcBoxRow* row)
 {
-    __m256i disjoint = _mm256_setzero_si256();
+    const __m256i one = _mm256_broadcastsi128_si256(_mm_loadu_si128((const __m128i*)row));
+    __m256i both = _mm256_set1_epi8(-1);
     for (int axis = 0; axis < 3; axis++)
     {
-        // Lower ends are compared with the upper end of the row, and vice versa.
-        __m128i upper = _mm_set1_epi16((int16_t)~row->ends[axis + 4]),
-                lower = _mm_set1_epi16((int16_t)~row->ends[axis]);
+        // Lower ends go with the upper end of the row, and vice versa.
+        __m256i pick = _mm256_set_m128i(_mm_set1_epi16((short)(0x0100 + 0x0202 * axis)),
+                                        _mm_set1_epi16((short)(0x0908 + 0x0202 * axis)));
         __m256i ends = _mm256_loadu_si256((const __m256i*)boxes->ends[axis]);
-        disjoint = _mm256_or_si256(disjoint, _mm256_cmpgt_epi16(ends, _mm256_set_m128i(lower, upper)));
+        both = _mm256_and_si256(both, _mm256_adds_epi16(ends, _mm256_shuffle_epi8(one, pick)));
     }
-    __m128i either = _mm_or_si128(_mm256_castsi256_si128(disjoint), _mm256_extracti128_si256(disjoint, 1));
-    return ~(uint32_t)_mm_movemask_epi8(_mm_packs_epi16(either, either)) & 0xffu;
+    __m128i overlaps = _mm_and_si128(_mm256_castsi256_si128(both), _mm256_extracti128_si256(both, 1));
+    return (uint32_t)_mm_movemask_epi8(_mm_packs_epi16(overlaps, overlaps)) & 0xffu;
 }
 
 static inline void Transpose(const Shorts row[8], Shorts column[8])
