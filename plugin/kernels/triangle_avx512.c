@@ -48,9 +48,9 @@ static inline qcSlotPair* AddListed(uint32_t kept, const uint8_t listed[8], qcSl
     return pairs + __builtin_popcount(kept);
 }
 
-/// Bit i + 8 j: box i of a overlaps box j of b. Four boxes of b at a time, against all boxes of a. Upper ends are stored
-/// as complements -1 - upper, so that lower <= upper is the sign of a sum; saturation keeps it. Comparisons to masks
-/// would share a port with the shuffles.
+/// Bit i + 8 j: box i of a overlaps box j of b. Four boxes of b at a time, against all boxes of a. Upper ends are
+/// stored as complements -1 - upper, so that lower <= upper is the sign of a sum; saturation keeps it. Comparisons to
+/// masks would share a port with the shuffles.
 static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
 {
     __m512i lower[3], upper[3], otherLower[3], otherUpper[3];

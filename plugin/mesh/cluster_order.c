@@ -364,7 +364,7 @@ static void Halve(Range range)
         range = UpperPart(&range, lower);
     }
     if (range.count != 0)
-        qcSmallOrder_Make(range.items, range.count, range.scratch, range.triangles);
+        qcOrderKernels_Get()->makeSmallOrder(range.items, range.count, range.scratch, range.triangles);
 }
 
 static void HalveRange(void* context, size_t i, uint32_t worker)

@@ -2,6 +2,7 @@
 #ifndef QC_MESH_SMALL_ORDER_H
 #define QC_MESH_SMALL_ORDER_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 enum
@@ -26,7 +27,21 @@ static inline uint32_t qcSmallOrder_CutAt(uint32_t count, uint32_t size)
     return ((count - 1) / whole + 2) / 2 * whole;
 }
 
-/// Lists 1 .. qc_maxSmallOrder triangles by nodes and clusters. `memory` has room for as many centroids.
-void qcSmallOrder_Make(const qcCentroid* centroids, uint32_t count, void* memory, uint32_t* triangles);
+/// Compiled once for each instruction set and chosen at run time; the order does not depend on it.
+typedef struct qcOrderKernels
+{
+    /// Lists 1 .. qc_maxSmallOrder triangles by nodes and clusters. `memory` has room for as many centroids.
+    void (*makeSmallOrder)(const qcCentroid* centroids, uint32_t count, void* memory, uint32_t* triangles);
+} qcOrderKernels;
+
+extern const qcOrderKernels qcOrderKernels_scalar;
+#ifdef QC_KERNELS_X86
+extern const qcOrderKernels qcOrderKernels_avx2, qcOrderKernels_avx512;
+#endif
+
+/// The best that this machine runs. The environment's QC_KERNELS (plain, avx2, avx512) names another.
+const qcOrderKernels* qcOrderKernels_Get(void);
+/// Null: there is no i-th one, or this machine doesn't run it.
+const qcOrderKernels* qcOrderKernels_Nth(size_t i);
 
 #endif

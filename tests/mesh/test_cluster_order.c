@@ -3,6 +3,7 @@
 #include "support/check_ok.h"
 #include "mesh/cluster_order.h"
 #include "mesh/limits.h"
+#include "mesh/small_order.h"
 #include "support/soups.h"
 #include "support/suite.h"
 
@@ -240,6 +241,76 @@ START_TEST(a_limited_order_is_completed_behind_its_slots)
 }
 END_TEST
 
-QC_RUN_TESTS("cluster order", a_limited_order_is_completed_behind_its_slots,
+/// Centroids of few distinct coordinates, so that many are equal at the medians, or of many.
+static void FillCentroids(qcCentroid* centroids, uint32_t count, uint32_t distinct, qcRandom* random)
+{
+    for (uint32_t i = 0; i < count; i++)
+    {
+        centroids[i].triangle = 7 * i + 3;
+        for (int k = 0; k < 3; k++)
+            centroids[i].at[k] = (float)qcRandom_Below(random, distinct) / (float)distinct / (float)(k + 1);
+    }
+}
+
+/// Each half of the first node's axis lies on its side of the other: the smaller half that is cut off first.
+static void CheckFirstCut(const qcCentroid* centroids, const uint32_t* triangles, uint32_t count)
+{
+    uint32_t lower = qcSmallOrder_CutAt(count, qc_clusterSize);
+    bool isCut = false;
+    for (int k = 0; k < 3; k++)
+    {
+        float low = 0.0f, high = 1.0f;
+        for (uint32_t i = 0; i < count; i++)
+        {
+            float x = centroids[(triangles[i] - 3) / 7].at[k];
+            if (i < lower)
+                low = fmaxf(low, x);
+            else
+                high = fminf(high, x);
+        }
+        // The coordinates are rounded to 15 bits.
+        isCut = isCut || low <= high + 0x1p-14f;
+    }
+    ck_assert(isCut);
+}
+
+START_TEST(few_triangles_have_the_same_order_with_all_instruction_sets)
+{
+    enum
+    {
+        maxCount = qc_maxSmallOrder,
+        guard = 64
+    };
+    qcRandom random = {1};
+    qcCentroid *centroids = malloc(maxCount * sizeof *centroids), *memory = malloc((maxCount + 1) * sizeof *memory);
+    uint32_t *expected = malloc(maxCount * sizeof *expected), *found = malloc((maxCount + guard) * sizeof *found);
+    ck_assert(centroids != NULL && memory != NULL && expected != NULL && found != NULL);
+    const uint32_t distinct[] = {1, 2, 9, 100, 1000000};
+    for (uint32_t n = 1; n <= maxCount; n += n < 140 ? 1 : 1 + n / 2)
+        for (uint32_t d = 0; d < LENGTH(distinct); d++)
+        {
+            FillCentroids(centroids, n, distinct[d], &random);
+            qcOrderKernels_scalar.makeSmallOrder(centroids, n, memory, expected);
+            if (n > qc_clusterSize && n <= qc_nodeSize)
+                CheckFirstCut(centroids, expected, n);
+            for (size_t k = 1; qcOrderKernels_Nth(k) != NULL; k++)
+            {
+                memset(found, 0xff, (n + guard) * sizeof *found);
+                memset(&memory[n], 0xff, sizeof *memory);
+                qcOrderKernels_Nth(k)->makeSmallOrder(centroids, n, memory, found);
+                ck_assert_mem_eq(found, expected, n * sizeof *found);
+                ck_assert_uint_eq(found[n], UINT32_MAX);
+                ck_assert_uint_eq(memory[n].triangle, UINT32_MAX);
+            }
+        }
+    free(centroids);
+    free(memory);
+    free(expected);
+    free(found);
+}
+END_TEST
+
+QC_RUN_TESTS("cluster order", few_triangles_have_the_same_order_with_all_instruction_sets,
+             a_limited_order_is_completed_behind_its_slots,
              triangles_anywhere_stand_once_in_the_same_order_with_any_number_of_threads,
              clusters_of_small_details_are_as_small_as_those_of_the_detail_alone)
