@@ -143,8 +143,9 @@ static void Split(const Range* range, const Axis* axis, uint32_t lower)
     int16_t keys[qc_maxSmallOrder + qc_countedKeys];
     const uint32_t count = range->count;
     ReadKeys(range->items, count, axis->index, keys);
-    for (uint32_t i = count; i < count + qc_countedKeys; i++)
-        keys[i] = INT16_MAX;
+    const Shorts above = (Shorts){0} + INT16_MAX;
+    for (int k = 0; k < qc_countedKeys; k += qc_shorts)
+        memcpy(keys + count + k, &above, sizeof above);
     const int median = FindMedian(keys, count, axis, lower);
     MoveItems(range->items, keys, count, median, range->scratch + count - 1);
 }

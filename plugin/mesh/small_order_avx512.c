@@ -5,7 +5,7 @@
 /// The lowest bits, 8 at most.
 static inline __mmask8 FirstLanes(uint32_t count)
 {
-    return (__mmask8)(count < 8 ? (1u << count) - 1 : 0xff);
+    return (__mmask8)_bzhi_u32(0xff, count < 8 ? count : 8);
 }
 
 static inline void ReadKeys(const Item* items, uint32_t count, int axis, int16_t* keys)
