@@ -35,14 +35,17 @@ static inline bool qcRegionCells_Meet(const qcRegionCells* cells, qcFourFloats l
 {
     const qcFourFloats zero = {0.0f, 0.0f, 0.0f, 0.0f}, last = zero + (float)(qc_cellsAlong - 1);
     typedef int32_t FourInts __attribute__((vector_size(16)));
-    FourInts first = __builtin_convertvector(qcFourFloats_Min(qcFourFloats_Max(lower, zero), last), FourInts),
-             end = __builtin_convertvector(qcFourFloats_Min(qcFourFloats_Max(upper, zero), last), FourInts);
+    // Without a sign, so that no index is extended: this test takes a tenth of a first step.
+    const qcFourWords first = (qcFourWords) __builtin_convertvector(
+                          qcFourFloats_Min(qcFourFloats_Max(lower, zero), last), FourInts),
+                      end = (qcFourWords) __builtin_convertvector(qcFourFloats_Min(qcFourFloats_Max(upper, zero), last),
+                                                                  FourInts);
+    const uint16_t *near = cells->rows[first[2]], *far = cells->rows[end[2]];
     // Most triangles are shorter than a cell. For these no branch depends on where they lie.
-    uint32_t met = cells->rows[first[2]][first[1]] | cells->rows[first[2]][end[1]] | cells->rows[end[2]][first[1]] |
-                   cells->rows[end[2]][end[1]];
+    uint32_t met = near[first[1]] | near[end[1]] | far[first[1]] | far[end[1]];
     if (end[1] - first[1] > 1 || end[2] - first[2] > 1)
-        for (int32_t z = first[2]; z <= end[2]; z++)
-            for (int32_t y = first[1]; y <= end[1]; y++)
+        for (uint32_t z = first[2]; z <= end[2]; z++)
+            for (uint32_t y = first[1]; y <= end[1]; y++)
                 met |= cells->rows[z][y];
     return (met & ((2u << end[0]) - (1u << first[0]))) != 0;
 }
