@@ -10,8 +10,8 @@
 qcDistanceThresholds qcTriangleBvh_Thresholds(const qcTriangleBvh* bvh, double query, double near);
 
 /// False if a job has these two bodies in the other order. World coordinates come first: the local BVH is transformed
-/// into them, and no transform is inverted. Of two local bodies, or of two others, large triangles come first, in whose
-/// lattice the boxes of both are tight; of local ones only where their lattice is fine enough for the small ones.
+/// into them, and no transform is inverted. If both are local, or none, large triangles come first, in whose lattice
+/// the boxes of both are tight; but not if that is too coarse for the small triangles of a local body.
 bool qcBvhPairs_AreInOrder(const qcBodyBvh* a, const qcBody* bodyA, const qcBodyBvh* b, const qcBody* bodyB);
 
 /// Receives pairs. False: the search may stop.

@@ -23,7 +23,7 @@ typedef struct qcBvhSearch
     qcMotionBvh* motion; ///< of a and of b; null: no motion
 } qcBvhSearch;
 
-/// Two nodes of the present level of a search. Of a BVH with large triangles, a cluster.
+/// Two nodes of the present level of a search, or a cluster of large triangles and a node.
 typedef struct qcNodePair
 {
     uint32_t search; ///< its number

@@ -114,7 +114,7 @@ static void AddMotionPairs(qcPairQueue* queue, qcNodePair nodes, const Rules* ru
                                                      rules->exclusions, rules->exclusionCount, queue->end);
 }
 
-/// Of two bodies.
+/// Adds the pairs of clusters of two bodies.
 static void AddTransformedPairs(qcPairQueue* queue, qcNodePair nodes, uint64_t clusters)
 {
     const qcBvhSearch* s = queue->search;
