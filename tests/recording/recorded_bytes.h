@@ -33,6 +33,8 @@ static inline Bytes Bytes_Read(const char* path)
 
 static inline void Bytes_Write(const char* path, const unsigned char* data, size_t size)
 {
+    // ext4 waits for the disk when a file that was cut to nothing is closed, but not for a new file.
+    remove(path);
     FILE* file = fopen(path, "wb");
     ck_assert_ptr_nonnull(file);
     ck_assert_uint_eq(fwrite(data, 1, size, file), size);
