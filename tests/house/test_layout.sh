@@ -115,16 +115,19 @@ trap 'rm -f "$includes"' EXIT
 # shellcheck disable=SC2086 # Folder names are words.
 find $top \( -name '*.c' -o -name '*.h' -o -name '*.cpp' \) -type f |
     LC_ALL=C sort |
-    while read -r file; do
-        awk -v file="$file" '
-            /^[ \t]*#[ \t]*include[ \t]*"/ {
-                name = $0
-                sub(/^[^"]*"/, "", name)
-                sub(/".*/, "", name)
-                print file, FNR, name
-            }
-            END { print file, "lines", FNR }' "$file"
-    done >"$includes"
+    xargs awk '
+        FNR == 1 && file != "" { print file, "lines", lines }
+        {
+            file = FILENAME
+            lines = FNR
+        }
+        /^[ \t]*#[ \t]*include[ \t]*"/ {
+            name = $0
+            sub(/^[^"]*"/, "", name)
+            sub(/".*/, "", name)
+            print file, FNR, name
+        }
+        END { print file, "lines", lines }' >"$includes"
 
 TABLE=$table awk -v show="$show" -v top="$top" '
     function folder(path) { sub(/\/[^\/]*$/, "", path); return path }
