@@ -539,11 +539,12 @@ qcStatus qcBvhPairs_Begin(qcBvhPairs* pairs, const qcBvhPairsJob* jobs, size_t j
     QC_TRY(qcArray_Resize(&pairs->searches, jobCount, sizeof(qcBvhSearch), "searches of BVHs"));
     bool isMotion = jobCount != 0 && jobs[0].motion;
     QC_TRY(qcArray_Resize(&pairs->motions, isMotion ? 2 * jobCount : 0, sizeof(qcMotionBvh), "searches of BVHs"));
-    QC_TRY(qcArray_Resize(&pairs->queues, (size_t)threads * qc_queueRoom, sizeof(qcSlotPair), "pairs of slots"));
-    QC_TRY(qcArray_Resize(&pairs->planes, threads, sizeof(qcPlaneCache), "planes of clusters"));
-    qcParallel_For(threads, (jobCount + qc_searchBlock - 1) / qc_searchBlock, qc_minSearchBlocks, PrepareBlock, &run);
     double clusters = SizeOfAll(&run);
-    return FindAllNodePairs(&run, clusters, ThreadsFor(clusters, threads));
+    uint32_t workers = ThreadsFor(clusters, threads);
+    QC_TRY(qcArray_Resize(&pairs->queues, (size_t)workers * qc_queueRoom, sizeof(qcSlotPair), "pairs of slots"));
+    QC_TRY(qcArray_Resize(&pairs->planes, workers, sizeof(qcPlaneCache), "planes of clusters"));
+    qcParallel_For(threads, (jobCount + qc_searchBlock - 1) / qc_searchBlock, qc_minSearchBlocks, PrepareBlock, &run);
+    return FindAllNodePairs(&run, clusters, workers);
 }
 
 void qcBvhPairs_Finish(qcBvhPairs* pairs, const qcBvhPairsJob* jobs, size_t jobCount, uint32_t threads)
