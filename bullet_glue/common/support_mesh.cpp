@@ -100,10 +100,10 @@ class FaceBins
     // Normals of one face differ by at most sqrt(2 - 2 * s_sameFace) = 0.0045 in each coordinate.
     static constexpr size_t s_bins = 400;
 
-    /// From 1 to s_bins.
+    /// From 1 to s_bins; 1 for a normal that is not a number.
     static size_t BinOf(const btVector3& normal)
     {
-        return 1 + std::min(size_t(std::max((normal.x() + 1) / 2, btScalar(0)) * s_bins), s_bins - 1);
+        return 1 + std::min(size_t(std::max(btScalar(0), (normal.x() + 1) / 2) * s_bins), s_bins - 1);
     }
 
     std::vector<uint32_t> m_bins[s_bins + 2];
