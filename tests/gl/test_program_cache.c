@@ -3,6 +3,7 @@
 #include "gl/replaced_driver.h"
 #include "support/run_program.h"
 #include "support/suite.h"
+#include "support/write_bytes.h"
 
 #include <dirent.h>
 #include <pthread.h>
@@ -110,14 +111,6 @@ static size_t ReadBytes(const char* path, char* data)
     size_t size = fread(data, 1, qc_maxFileSize, file);
     fclose(file);
     return size;
-}
-
-static void WriteBytes(const char* path, const char* data, size_t size)
-{
-    FILE* file = fopen(path, "wb");
-    ck_assert_ptr_nonnull(file);
-    ck_assert_uint_eq(fwrite(data, 1, size, file), size);
-    fclose(file);
 }
 
 /// Changes a file's content; returns its new size.

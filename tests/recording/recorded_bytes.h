@@ -6,6 +6,7 @@
 #include "quickcullide/recording.h"
 #include "recording/format.h"
 #include "support/check_ok.h"
+#include "support/write_bytes.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -29,16 +30,6 @@ static inline Bytes Bytes_Read(const char* path)
     ck_assert_uint_eq(fread(bytes.data, 1, bytes.size, file), bytes.size);
     fclose(file);
     return bytes;
-}
-
-static inline void Bytes_Write(const char* path, const unsigned char* data, size_t size)
-{
-    // ext4 waits for the disk when a file that was cut to nothing is closed, but not for a new file.
-    remove(path);
-    FILE* file = fopen(path, "wb");
-    ck_assert_ptr_nonnull(file);
-    ck_assert_uint_eq(fwrite(data, 1, size, file), size);
-    fclose(file);
 }
 
 /// Corrects the hashes of all records, up to one that reaches beyond the end.

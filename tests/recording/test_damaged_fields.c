@@ -129,7 +129,7 @@ static void CheckDamages(const Damage* damages, size_t count, bool isScene)
         memcpy(damaged.data, whole.data, whole.size);
         memcpy(damaged.data + at + damage.offset, &damage.value, sizeof damage.value);
         Bytes_Rehash(damaged);
-        Bytes_Write(s_path, damaged.data, damaged.size);
+        WriteBytes(s_path, damaged.data, damaged.size);
         CheckReason(damage.operation, at, damage.reason);
         free(damaged.data);
     }
@@ -254,7 +254,7 @@ START_TEST(a_record_that_is_longer_or_shorter_is_refused)
             if (head.size == 0 && !isLonger)
                 continue;
             Bytes resized = Resize(whole, number, isLonger != 0);
-            Bytes_Write(s_path, resized.data, resized.size);
+            WriteBytes(s_path, resized.data, resized.size);
             qcStatus status;
             uint64_t count = CountOperations(s_path, &status);
             ck_assert_msg(status == qc_statusFile, "record %u, kind %u, longer %d", number, head.kind, isLonger);
@@ -287,13 +287,13 @@ START_TEST(what_names_no_device_and_no_numbers_is_refused)
         Bytes whole = MakeRecording(damages[i].scalarSize);
         memcpy(whole.data + sizeof(qcFileHeader) + damages[i].offset, &damages[i].value, sizeof damages[i].value);
         Bytes_Rehash(whole);
-        Bytes_Write(s_path, whole.data, whole.size);
+        WriteBytes(s_path, whole.data, whole.size);
         CheckReason(0, sizeof(qcFileHeader), damages[i].reason);
         free(whole.data);
     }
     // Only the header is there.
     Bytes whole = MakeRecording(0);
-    Bytes_Write(s_path, whole.data, sizeof(qcFileHeader));
+    WriteBytes(s_path, whole.data, sizeof(qcFileHeader));
     CheckReason(0, sizeof(qcFileHeader), "the file ends before it");
     free(whole.data);
     remove(s_path);
@@ -309,7 +309,7 @@ START_TEST(a_detection_without_a_result_is_read_and_what_follows_it_is_named)
     const uint32_t kind = qc_operationMarkStart;
     memcpy(whole.data + at, &kind, sizeof kind);
     Bytes_Rehash(whole);
-    Bytes_Write(s_path, whole.data, whole.size);
+    WriteBytes(s_path, whole.data, whole.size);
     CheckReason(op_detect + 1, at, "its data is too long");
     free(whole.data);
     remove(s_path);

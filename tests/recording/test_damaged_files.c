@@ -77,7 +77,7 @@ START_TEST(each_flipped_byte_is_found_and_named)
     for (size_t i = 0; i < whole.size; i++)
     {
         whole.data[i] ^= (unsigned char)(1u << i % 8);
-        Bytes_Write(s_path, whole.data, whole.size);
+        WriteBytes(s_path, whole.data, whole.size);
         whole.data[i] ^= (unsigned char)(1u << i % 8);
         uint64_t count = ReadAll(&status, &isComplete);
         ck_assert_msg(status == qc_statusFile, "byte %zu: status %d", i, (int)status);
@@ -112,7 +112,7 @@ START_TEST(a_file_cut_anywhere_is_read_up_to_the_cut)
     size_t clean = 0;
     for (size_t size = 0; size < whole.size; size++)
     {
-        Bytes_Write(s_path, whole.data, size);
+        WriteBytes(s_path, whole.data, size);
         uint64_t count = ReadAll(&status, &isComplete);
         ck_assert(!isComplete);
         ck_assert_uint_ge(count, previous);
@@ -160,7 +160,7 @@ START_TEST(forged_files_with_right_hashes_crash_nothing)
                 memset(data + at, byte % 2 == 0 ? 0xff : 0x00, whole.size - at < 4 ? whole.size - at : 4);
         }
         Bytes_Rehash(forged);
-        Bytes_Write(s_path, data, whole.size);
+        WriteBytes(s_path, data, whole.size);
         qcStatus status;
         bool isComplete;
         ReadAll(&status, &isComplete);
@@ -233,7 +233,7 @@ START_TEST(a_newer_format_is_refused_with_both_versions)
     memcpy(whole.data + 8, &version, sizeof version);
     uint64_t hash = qcXxh64(whole.data, 16, 0);
     memcpy(whole.data + 16, &hash, sizeof hash);
-    Bytes_Write(s_path, whole.data, whole.size);
+    WriteBytes(s_path, whole.data, whole.size);
     qcRecording* recording;
     ck_assert_int_eq(qcRecording_Open(s_path, &recording), qc_statusFile);
     ck_assert_ptr_nonnull(strstr(qcLastMessage(), "the format is version 2"));

@@ -12,6 +12,7 @@
 // After the standard headers: check defines a macro named fail.
 #include "support/run_program.h"
 #include "support/suite.h"
+#include "support/write_bytes.h"
 
 namespace
 {
@@ -28,14 +29,9 @@ std::vector<unsigned char> ReadBytes()
     return bytes;
 }
 
-void WriteBytes(const std::vector<unsigned char>& bytes)
+void WritePieces(const std::vector<unsigned char>& bytes)
 {
-    std::remove(s_path.c_str()); // a new file: ext4 waits for the disk when one that was cut to nothing is closed
-    std::FILE* file = std::fopen(s_path.c_str(), "wb");
-    ck_assert_ptr_nonnull(file);
-    if (!bytes.empty()) // fwrite takes no null pointer
-        ck_assert_uint_eq(std::fwrite(bytes.data(), 1, bytes.size(), file), bytes.size());
-    std::fclose(file);
+    WriteBytes(s_path.c_str(), bytes.data(), bytes.size());
 }
 
 qcFracture SomePieces(uint32_t sites)
@@ -128,16 +124,16 @@ START_TEST(a_file_that_ends_early_is_refused_wherever_it_ends)
     const std::vector<unsigned char> whole = SavedBytes();
     for (size_t size = 0; size < whole.size(); size++)
     {
-        WriteBytes({whole.begin(), whole.begin() + long(size)});
+        WritePieces({whole.begin(), whole.begin() + long(size)});
         std::string message = RefusedMessage();
         if (size >= 8)
             ck_assert_msg(message.find("ends within") != std::string::npos, "%s", message.c_str());
     }
     std::vector<unsigned char> longer = whole;
     longer.push_back(0);
-    WriteBytes(longer);
+    WritePieces(longer);
     ck_assert(RefusedMessage().find("bytes follow its end") != std::string::npos);
-    WriteBytes(whole);
+    WritePieces(whole);
     ck_assert_int_eq(qcFracture_Load(s_path.c_str()).status, qc_statusOk);
     std::remove(s_path.c_str());
 }
@@ -150,7 +146,7 @@ START_TEST(a_file_with_any_byte_changed_is_refused)
         for (int flip : {0x01, 0x80, 0xff})
         {
             bytes[i] = (unsigned char)(bytes[i] ^ flip);
-            WriteBytes(bytes);
+            WritePieces(bytes);
             RefusedMessage();
             bytes[i] = (unsigned char)(bytes[i] ^ flip);
         }
@@ -204,7 +200,7 @@ START_TEST(contents_are_checked_although_their_hashes_are_right)
                               bytes[at + place] = static_cast<unsigned char>(state >> 24);
                       });
         Sign(&bytes);
-        WriteBytes(bytes);
+        WritePieces(bytes);
         qcFracture fracture = qcFracture_Load(s_path.c_str());
         refused += fracture.status != qc_statusOk;
         for (const qcPiece& piece : fracture.pieces)
@@ -232,17 +228,17 @@ START_TEST(messages_name_the_place)
     ck_assert_uint_ge(starts.size(), 6); // the fracture, 3 pieces, bonds, end
     std::vector<unsigned char> bytes = whole;
     bytes[starts[2] + 200] ^= 1;
-    WriteBytes(bytes);
+    WritePieces(bytes);
     CheckRefused("piece 1 at byte " + std::to_string(starts[2]) + ": it is damaged: its hash differs");
     bytes = whole;
     uint32_t version = 2;
     std::memcpy(&bytes[8], &version, sizeof version);
     Sign(&bytes);
-    WriteBytes(bytes);
+    WritePieces(bytes);
     CheckRefused("its format is version 2; this library reads version 1");
     bytes = whole;
     bytes[3] = 'R'; // a recording
-    WriteBytes(bytes);
+    WritePieces(bytes);
     CheckRefused("it is no file of pieces");
     std::remove(s_path.c_str());
     CheckRefused("it can't be opened: No such file or directory");
