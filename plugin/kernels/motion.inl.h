@@ -40,11 +40,7 @@ QC_INLINE void GetClusterBoxes(const qcMotionBvh* bvh, uint32_t cluster, qcBox8 
 /// `nodes`: the boxes of the clusters.
 QC_INLINE uint32_t FindNearClusters(const qcBox8* const nodes[2], const qcBox8* const triangles[2])
 {
-    uint64_t overlaps = FindUnitedOverlaps(nodes, triangles);
-    overlaps |= overlaps >> 32;
-    overlaps |= overlaps >> 16;
-    overlaps |= overlaps >> 8;
-    return (uint32_t)overlaps & 0xffu;
+    return qcPairMask_FirstOfWord(FindUnitedOverlaps(nodes, triangles));
 }
 
 /// One in twenty pairs of clusters whose boxes overlap has triangles whose boxes around both ends overlap.

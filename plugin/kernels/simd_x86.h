@@ -112,7 +112,7 @@ static inline __m256 LoadEnds(const int16_t* ends)
 static inline void StoreEnds(__m256 lower, __m256 upper, const int16_t source[qc_boxLanes], int axis,
                              qcBox8* transformed)
 {
-    const __m256 first = _mm256_setzero_ps(), last = _mm256_set1_ps(65533.0f);
+    const __m256 first = _mm256_setzero_ps(), last = _mm256_set1_ps((float)qc_lastLevel);
     // NaN gives the second operand.
     lower = _mm256_min_ps(_mm256_max_ps(lower, first), last);
     upper = _mm256_max_ps(_mm256_min_ps(upper, last), first);

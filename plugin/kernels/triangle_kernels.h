@@ -39,12 +39,17 @@ typedef struct qcPoint
     float x[4]; ///< the last is 0; qc_emptyEnd in the point of slots without a triangle
 } qcPoint;
 
+enum
+{
+    qc_lastLevel = 65533 ///< of a lattice; the first is 0
+};
+
 /// From world positions to the frame and the lattice of a BVH.
 typedef struct qcLatticeTransform
 {
     double origin[4]; ///< the last of each four is 0
     double unit[4];   ///< to the frame: (x - origin) * unit
-    double scale[4];  ///< to the lattice: (x - origin) * scale, from 0 to 65533
+    double scale[4];  ///< to the lattice: (x - origin) * scale, from 0 to qc_lastLevel
     double margin[4]; ///< upper ends are those of x + margin
 } qcLatticeTransform;
 

@@ -210,7 +210,7 @@ static inline EightFloats SelectEight(EightInts mask, EightFloats yes, EightFloa
 static inline void StoreEnds(EightFloats lower, EightFloats upper, const int16_t source[qc_boxLanes], int axis,
                              qcBox8* transformed)
 {
-    const EightFloats zero = {0}, largest = zero + 65533.0f;
+    const EightFloats zero = {0}, largest = zero + (float)qc_lastLevel;
     lower = SelectEight(lower > zero, lower, zero);
     lower = SelectEight(lower < largest, lower, largest);
     upper = SelectEight(upper < largest, upper, largest);

@@ -46,6 +46,15 @@ static inline uint64_t qcPairMask_PairsOfWord(uint32_t word, uint64_t filledA, u
     return i == j ? all & QC_PAIRS_IN_ORDER : 0;
 }
 
+/// The triangles of the first cluster that have a bit in a word: bit u.
+static inline uint32_t qcPairMask_FirstOfWord(uint64_t word)
+{
+    word |= word >> 32;
+    word |= word >> 16;
+    word |= word >> 8;
+    return (uint32_t)word & 0xffu;
+}
+
 enum
 {
     qc_maxExclusions = 4

@@ -1,5 +1,5 @@
-// Sixteen 16-bit integers side by side, for the orders of AVX2 and AVX-512. Comparisons of
-// the latter's wider vectors go through masks, which takes longer.
+// Sixteen 16-bit integers side by side, for the orders of AVX2 and AVX-512. Comparisons of the latter's wider vectors
+// go through masks, which takes longer.
 #ifndef QC_MESH_SIXTEEN_SHORTS_H
 #define QC_MESH_SIXTEEN_SHORTS_H
 

@@ -4,6 +4,7 @@
 // plugin/docs/proofs/bvh_pairs.md.
 #include "sweep/bvh/bvh_pairs.h"
 
+#include "base/aabb.h"
 #include "base/parallel_for.h"
 #include "base/status.h"
 #include "sweep/bvh/lattice_map.h"
@@ -33,7 +34,6 @@ enum
     qc_minPrefetched = 16384,
     // Triangles are large if they are this many times as large as the others, so that one is beside many of these.
     qc_largeSize = 4,
-    qc_levels = 65533, // of a lattice
     qc_queueRoom = qc_queueFull + qc_maxCollected
 };
 
@@ -130,6 +130,16 @@ static void Descend(qcPairQueue* queue, uint32_t level, qcNodePair nodes)
 
 //  ---- large triangles beside small ones ---------------------------------------------------------------
 
+static const qcTriangleBvh* BvhOf(const qcBvhSearch* s, int side)
+{
+    return side == 0 ? s->a : s->b;
+}
+
+static uint32_t* NodeOf(qcNodePair* nodes, int side)
+{
+    return side == 0 ? &nodes->a : &nodes->b;
+}
+
 /// The boxes of a cluster's triangles: over a motion at both ends in the reference lattices, else in the lattice of
 /// their own BVH. In that of the other one, which may be turned, those of a floor would be as high as the floor is
 /// wide.
@@ -141,8 +151,8 @@ typedef struct LargeTriangles
 
 static void FindLargeTriangles(const qcBvhSearch* s, qcNodePair nodes, LargeTriangles* large)
 {
-    const qcTriangleBvh* bvh = s->large == 0 ? s->a : s->b;
-    uint32_t cluster = s->large == 0 ? nodes.a : nodes.b;
+    const qcTriangleBvh* bvh = BvhOf(s, s->large);
+    uint32_t cluster = *NodeOf(&nodes, s->large);
     large->boxes[0] = &qcTriangleBvh_Boxes(bvh, &bvh->fit).clusters[cluster];
     for (int t = 0; t < 2 && s->motion != NULL; t++)
     {
@@ -159,32 +169,30 @@ static void FindLargeTriangles(const qcBvhSearch* s, qcNodePair nodes, LargeTria
 static uint32_t FindChildrenBeside(const qcBvhSearch* s, uint32_t level, qcNodePair nodes, const LargeTriangles* large)
 {
     const qcTriangleKernels* kernels = s->job->kernels;
-    const qcTriangleBvh* bvh = s->large == 0 ? s->b : s->a;
-    uint32_t node = s->large == 0 ? nodes.b : nodes.a;
+    const int small = 1 - s->large;
+    const qcTriangleBvh* bvh = BvhOf(s, small);
+    uint32_t node = *NodeOf(&nodes, small);
     qcBox8 own[2];
     uint64_t overlaps;
     if (s->motion != NULL)
     {
         const qcBox8* boxes[2];
-        const qcBody* body = s->large == 0 ? s->job->bodyB : s->job->bodyA;
-        GetMotionBoxes(s, &s->motion[1 - s->large], bvh, qcTriangleBvh_StartFit(bvh, body), level, node, own, boxes);
+        const qcBody* body = small == 0 ? s->job->bodyA : s->job->bodyB;
+        GetMotionBoxes(s, &s->motion[small], bvh, qcTriangleBvh_StartFit(bvh, body), level, node, own, boxes);
         overlaps = kernels->findMotionOverlaps(boxes, large->boxes);
     }
     else
     {
         kernels->transformBoxes(qcTriangleBvh_Box8At(bvh, &bvh->fit, level, node),
-                                s->large == 0 ? &s->transformed.levels : &s->reverse, &own[0]);
+                                small == 0 ? &s->reverse : &s->transformed.levels, &own[0]);
         overlaps = kernels->findOverlaps(&own[0], large->boxes[0]);
     }
-    overlaps |= overlaps >> 32;
-    overlaps |= overlaps >> 16;
-    overlaps |= overlaps >> 8;
-    return (uint32_t)overlaps & 0xffu;
+    return qcPairMask_FirstOfWord(overlaps);
 }
 
 static qcNodePair ChildBeside(const qcBvhSearch* s, qcNodePair nodes, uint32_t bit)
 {
-    uint32_t* node = s->large == 0 ? &nodes.b : &nodes.a;
+    uint32_t* node = NodeOf(&nodes, 1 - s->large);
     *node = *node * qc_boxLanes + bit;
     return nodes;
 }
@@ -192,10 +200,8 @@ static qcNodePair ChildBeside(const qcBvhSearch* s, qcNodePair nodes, uint32_t b
 /// The leaf nodes of a pair at level 1.
 static qcNodePair LeafNodes(const qcBvhSearch* s, qcNodePair nodes)
 {
-    if (!s->hasLarge)
-        return nodes;
-    uint32_t* cluster = s->large == 0 ? &nodes.a : &nodes.b;
-    *cluster /= qc_boxLanes;
+    if (s->hasLarge)
+        *NodeOf(&nodes, s->large) /= qc_boxLanes;
     return nodes;
 }
 
@@ -205,7 +211,7 @@ static void DescendBeside(qcPairQueue* queue, uint32_t level, qcNodePair nodes, 
     uint32_t children = FindChildrenBeside(s, level, nodes, large);
     if (level == 1 && children != 0)
     {
-        unsigned cluster = 1u << (s->large == 0 ? nodes.a : nodes.b) % qc_boxLanes;
+        unsigned cluster = 1u << *NodeOf(&nodes, s->large) % qc_boxLanes;
         qcPairQueue_AddClusters(queue, LeafNodes(s, nodes),
                                 s->large == 0 ? qcPairMask_Product(cluster, children)
                                               : qcPairMask_Product(children, cluster));
@@ -216,47 +222,43 @@ static void DescendBeside(qcPairQueue* queue, uint32_t level, qcNodePair nodes, 
 
 //  ---- two bodies ------------------------------------------------------------------------------------
 
-/// The longest side of a body's box.
-static double SizeOfBody(const qcBody* body)
+/// 0 if the triangles of a are several times as large as those of b, 1 if those of b are, else -1. An estimate, for
+/// bodies as wide as long.
+static int FindLargeBody(const qcBody* a, const qcBody* b)
 {
-    double widest = 0.0;
-    for (int axis = 0; axis < 3; axis++)
-        widest = fmax(widest, body->upper[axis] - body->lower[axis]);
-    return widest;
-}
-
-/// True if one body's triangles are several times as large as the other's: an estimate, for bodies as wide as long.
-static bool AreLarge(const qcBody* body, const qcBody* other)
-{
-    double size = SizeOfBody(body), otherSize = SizeOfBody(other) * qc_largeSize;
-    return size * size * other->triangleCount > otherSize * otherSize * body->triangleCount;
+    double sizeA = qcBounds_Widest(a->lower, a->upper), sizeB = qcBounds_Widest(b->lower, b->upper);
+    // Squares of sizes, times both counts of triangles.
+    double squareA = sizeA * sizeA * b->triangleCount, squareB = sizeB * sizeB * a->triangleCount;
+    const double ratio = qc_largeSize * qc_largeSize;
+    return squareA > ratio * squareB ? 0 : squareB > ratio * squareA ? 1 : -1;
 }
 
 /// True if the levels of a lattice around one body are smaller than the other's triangles.
 static bool IsLatticeFine(const qcBody* body, const qcBody* other)
 {
-    double triangle = SizeOfBody(other) / sqrt((double)other->triangleCount);
-    return SizeOfBody(body) < qc_levels * triangle;
+    double triangle = qcBounds_Widest(other->lower, other->upper) / sqrt((double)other->triangleCount);
+    return qcBounds_Widest(body->lower, body->upper) < qc_lastLevel * triangle;
 }
 
 bool qcBvhPairs_AreInOrder(const qcBodyBvh* a, const qcBody* bodyA, const qcBodyBvh* b, const qcBody* bodyB)
 {
     if (a->bvh.fit.isLocal != b->bvh.fit.isLocal)
         return !a->bvh.fit.isLocal;
-    bool isB = AreLarge(bodyB, bodyA);
-    if (!isB && !AreLarge(bodyA, bodyB))
+    int large = FindLargeBody(bodyA, bodyB);
+    if (large < 0)
         return true;
-    bool isFirst = !a->bvh.fit.isLocal || IsLatticeFine(isB ? bodyB : bodyA, isB ? bodyA : bodyB);
-    return isB != isFirst;
+    bool isFirst = !a->bvh.fit.isLocal || (large == 0 ? IsLatticeFine(bodyA, bodyB) : IsLatticeFine(bodyB, bodyA));
+    return isFirst == (large == 0);
 }
 
 /// Finds the BVH with large triangles, if there is one. For those of b the lattice of b has to be known.
 static void FindLarge(qcBvhSearch* s)
 {
-    const qcBody *a = s->job->bodyA, *b = s->job->bodyB;
-    s->large = s->b->fit.isLocal && AreLarge(b, a);
-    const qcTriangleBvh *large = s->large == 0 ? s->a : s->b, *small = s->large == 0 ? s->b : s->a;
-    s->hasLarge = (s->large == 1 || AreLarge(a, b)) && small->clusters.nodeCount > 1 && !large->fit.isOutline;
+    int large = FindLargeBody(s->job->bodyA, s->job->bodyB);
+    if (large < 0 || (large == 1 && !s->b->fit.isLocal))
+        return;
+    s->large = large;
+    s->hasLarge = BvhOf(s, 1 - large)->clusters.nodeCount > 1 && !BvhOf(s, large)->fit.isOutline;
 }
 
 static qcRigidTransform TransformOf(const qcTriangleBvh* bvh, const qcBody* body)
@@ -411,7 +413,7 @@ static void RemoveNodePairs(qcArray* nodePairs, size_t first, size_t end)
 /// Replaces the roots, at `first`, by each cluster of large triangles that overlaps the other root, and that root.
 static qcStatus ReplaceByClusters(qcArray* nodePairs, size_t first, const qcBvhSearch* s)
 {
-    for (uint32_t level = (s->large == 0 ? s->a->levels : s->b->levels) - 1; level > 0; level--)
+    for (uint32_t level = BvhOf(s, s->large)->levels - 1; level > 0; level--)
     {
         size_t end = nodePairs->count;
         for (size_t i = first; i < end; i++)
@@ -433,7 +435,7 @@ static qcStatus AppendRoots(qcArray* nodePairs, qcBvhSearch* s, uint32_t number)
     if (!s->hasLarge)
         return qc_statusOk;
     QC_TRY(ReplaceByClusters(nodePairs, first, s));
-    const qcTriangleBvh* small = s->large == 0 ? s->b : s->a;
+    const qcTriangleBvh* small = BvhOf(s, 1 - s->large);
     if (nodePairs->count - first <= small->clusters.nodeCount)
     {
         s->level = small->levels - 1;

@@ -107,11 +107,12 @@ static qcPlaneTest MakePlaneTest(const qcPairQueue* queue, uint32_t number)
                          .cache = queue->planes};
 }
 
-static void AddMotionPairs(qcPairQueue* queue, qcNodePair nodes, const Rules* rules)
+static void AddMotionPairs(qcPairQueue* queue, qcNodePair nodes, const uint64_t* pairMasks,
+                           const qcPairExclusion* exclusions, int exclusionCount)
 {
     const qcBvhSearch* s = queue->search;
-    queue->end = s->job->kernels->collectMotionPairs(&s->motion[0], nodes.a, &s->motion[1], nodes.b, rules->pairMasks,
-                                                     rules->exclusions, rules->exclusionCount, queue->end);
+    queue->end = s->job->kernels->collectMotionPairs(&s->motion[0], nodes.a, &s->motion[1], nodes.b, pairMasks,
+                                                     exclusions, exclusionCount, queue->end);
 }
 
 /// Adds the pairs of clusters of two bodies.
@@ -135,7 +136,7 @@ void qcPairQueue_AddClusters(qcPairQueue* queue, qcNodePair nodes, uint64_t clus
         return;
     }
     const uint64_t leftOut[] = {0, ~clusters, 0}; // a packed mask
-    AddMotionPairs(queue, nodes, &(Rules){.pairMasks = leftOut});
+    AddMotionPairs(queue, nodes, leftOut, NULL, 0);
 }
 
 void qcPairQueue_AddNodes(qcPairQueue* queue, qcNodePair nodes)
@@ -149,7 +150,7 @@ void qcPairQueue_AddNodes(qcPairQueue* queue, qcNodePair nodes)
         return;
     if (s->motion != NULL)
     {
-        AddMotionPairs(queue, nodes, &rules);
+        AddMotionPairs(queue, nodes, rules.pairMasks, rules.exclusions, rules.exclusionCount);
         return;
     }
     if (!s->same)

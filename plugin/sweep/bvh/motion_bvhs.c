@@ -1,6 +1,7 @@
 // Lattices for the two ends of a motion, and the transforms of BVHs to them.
 #include "sweep/bvh/motion_bvhs.h"
 
+#include "base/aabb.h"
 #include "sweep/bvh/lattice_map.h"
 
 #include <math.h>
@@ -33,19 +34,15 @@ static MotionEnd EndOf(const qcBvhOfBody* of, int t)
 static qcLatticeTransform LatticeAround(const MotionEnd* end)
 {
     qcLatticeTransform lattice = {.origin = {0.0}};
-    double widest = 0.0;
-    for (int axis = 0; axis < 3; axis++)
-    {
-        lattice.origin[axis] = end->lower[axis];
-        widest = fmax(widest, end->upper[axis] - end->lower[axis]);
-    }
+    double widest = qcBounds_Widest(end->lower, end->upper);
+    memcpy(lattice.origin, end->lower, 3 * sizeof(double));
     int exponent = 0;
     if (widest > 0.0 && isfinite(widest))
         frexp(widest, &exponent);
     for (int axis = 0; axis < 3; axis++)
     {
         lattice.unit[axis] = ldexp(1.0, -exponent);
-        lattice.scale[axis] = ldexp(65533.0, -exponent);
+        lattice.scale[axis] = ldexp(qc_lastLevel, -exponent);
     }
     return lattice;
 }

@@ -134,7 +134,7 @@ static bool ChooseLattice(qcLatticeTransform* lattice, const double lower[3], co
     {
         lattice->unit[axis] = ldexp(1.0, -exponent);
         // Along the thin axis of a flat body levels are no finer than the precision of coordinates.
-        double levels = 65533.0 * (1.0 - 0x1p-50) / fmax(extent[axis], widest * 0x1p-30);
+        double levels = qc_lastLevel * (1.0 - 0x1p-50) / fmax(extent[axis], widest * 0x1p-30);
         lattice->scale[axis] = widest > 0.0 ? fmin(levels, 0x1p1000) : 1.0;
     }
     return true;

@@ -170,7 +170,7 @@ static void Clear(FarTriangles* far)
 static int16_t LevelOf(const qcLatticeTransform* lattice, int axis, double x)
 {
     double level = (x - lattice->origin[axis]) * lattice->scale[axis];
-    int whole = !(level > 0.0) ? 0 : level < 65533.0 ? (int)level : 65533;
+    int whole = !(level > 0.0) ? 0 : level < qc_lastLevel ? (int)level : qc_lastLevel;
     return (int16_t)(whole - 32768);
 }
 
