@@ -253,7 +253,7 @@ include='^[[:space:]]*#[[:space:]]*include[[:space:]]*'
 # namespaces that share a name for overloads, and a call may then reach the other file's.
 # shellcheck disable=SC2044 # Folders have plain names.
 for folder in $(find bullet_glue demos/bench demos/view demos/cloth demos/leaves demos/breaking demos/fracture demos/common/bullet \
-    -type d ! -path bullet_glue/fracture); do
+    tests/bullet -type d ! -path bullet_glue/fracture); do
     shared=$(for file in "$folder"/*.cpp; do
         [ ! -f "$file" ] || awk '
             /^namespace$/ { inside = 1; next }

@@ -1,8 +1,17 @@
-// The main function of a test program with one case of several tests.
+// The main function of a test program, and one case of several tests.
 #ifndef QC_TESTS_SUPPORT_SUITE_H
 #define QC_TESTS_SUPPORT_SUITE_H
 
 #include <check.h>
+
+/// Stands before the body of a file's main function. Where several files are one program (qc_test_group in
+/// tests/CMakeLists.txt), the body belongs to a function that the program calls for the name of the file.
+#ifdef QC_TEST_GROUP
+#include "support/test_group.h"
+#define QC_TEST_MAIN() QC_TEST_MAIN_NUMBER(__COUNTER__)
+#else
+#define QC_TEST_MAIN() int main(void)
+#endif
 
 /// Runs a suite that is put together by hand, and frees it; the program's exit status.
 static inline int qcRunSuite(Suite* suite)
@@ -27,7 +36,7 @@ static inline int qcRunTests(const char* name, const TTest* const* tests, int co
 }
 
 #define QC_RUN_TESTS(name, ...)                                                                                        \
-    int main(void)                                                                                                     \
+    QC_TEST_MAIN()                                                                                                     \
     {                                                                                                                  \
         const TTest* const tests[] = {__VA_ARGS__};                                                                    \
         return qcRunTests(name, tests, (int)(sizeof tests / sizeof tests[0]));                                         \

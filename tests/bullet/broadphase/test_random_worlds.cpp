@@ -21,18 +21,18 @@ qcWorldKind KindOf(int seed)
     return seed % 2 == 0 ? qcWorldKind::discrete : qcWorldKind(seed / 2 % qc_worldKindCount);
 }
 
-struct Life
+struct SeedRun
 {
     std::vector<uint64_t> steps; ///< hashes of all transforms and velocities
     uint64_t order = 0;          ///< hash of all pairs, in their order
     size_t pairs = 0, hits = 0;
 };
 
-Life LiveThrough(int seed)
+SeedRun RunSeed(int seed)
 {
     auto* broadphase = new qcWatchedBroadphase;
     qcRandomWorld world(uint64_t(seed), KindOf(seed), broadphase);
-    Life life;
+    SeedRun life;
     for (int step = 0; step < qc_steps; step++)
     {
         world.Change();
@@ -56,7 +56,7 @@ START_TEST(random_worlds_hold_the_pairs_of_brute_force_hit_as_on_btDbvtBroadphas
     uint64_t motion = 0;
     for (int number = 1; number <= worlds; number++)
     {
-        const Life first = LiveThrough(number), second = LiveThrough(number);
+        const SeedRun first = RunSeed(number), second = RunSeed(number);
         for (size_t step = 0; step < qc_steps; step++)
             if (first.steps[step] != second.steps[step])
                 ck_abort_msg("world %d (%s) moves differently in step %d", number,

@@ -6,7 +6,7 @@
 namespace
 {
 /// Boxes over a floor, and a cloth where the kind of world has one.
-void Fill(qcWorld& world)
+void FillWorld(qcWorld& world)
 {
     world.AddBody(0, btVector3(0, -1, 0), world.Make<btBoxShape>(btVector3(20, 1, 20)));
     btCollisionShape* box = world.Make<btBoxShape>(btVector3(btScalar(0.4), btScalar(0.3), btScalar(0.5)));
@@ -26,7 +26,7 @@ START_TEST(every_kind_of_world_holds_the_pairs_of_brute_force_in_each_step)
     {
         auto* broadphase = new qcWatchedBroadphase;
         qcWorld world{qcWorldKind(kind), broadphase};
-        Fill(world);
+        FillWorld(world);
         const bool takesCloth = kind >= int(qcWorldKind::softRigid);
         ck_assert_uint_eq(world.objects.size(), takesCloth ? 32 : 31);
         const btBroadphaseProxy* last = world.objects.back()->getBroadphaseHandle();
@@ -143,7 +143,7 @@ void RunWith(qcWorldKind kind, Moment moment)
 {
     auto* broadphase = new qcWatchedBroadphase;
     qcWorld world(kind, broadphase);
-    Fill(world);
+    FillWorld(world);
     Chaos chaos;
     chaos.world = &world;
     chaos.shape = world.shapes[1].get();

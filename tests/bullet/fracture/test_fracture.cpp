@@ -62,7 +62,7 @@ void MeasureTriangles(const qcPiece& piece, double* height, double* cosine)
     }
 }
 
-void CheckPieces(const qcFractureDef& def, const qcFracture& fracture, double volume, const char* what)
+void CheckWhole(const qcFractureDef& def, const qcFracture& fracture, double volume, const char* what)
 {
     ck_assert_msg(fracture.status == qc_statusOk, "%s: %s", what, fracture.message.c_str());
     double sum = 0;
@@ -104,16 +104,16 @@ START_TEST(pieces_are_closed_lie_in_their_cells_and_fill_the_mesh)
         for (qcFractureDef* def : {&box, &hollow, &torus})
             qcScatterInside(def, count, seed);
         qcFracture fracture = qcFracture_Split(box);
-        CheckPieces(box, fracture, 8, "box");
+        CheckWhole(box, fracture, 8, "box");
         ck_assert_uint_eq(fracture.pieces.size(), count); // a convex mesh: one piece for each cell
-        CheckPieces(hollow, qcFracture_Split(hollow), 8 - 0.064, "hollow");
+        CheckWhole(hollow, qcFracture_Split(hollow), 8 - 0.064, "hollow");
         qcFracture ring = qcFracture_Split(torus);
         double exact = 0;
         for (size_t i = 0; i < torus.indices.size(); i += 3)
             exact += double(torus.vertices[torus.indices[i]].dot(
                          torus.vertices[torus.indices[i + 1]].cross(torus.vertices[torus.indices[i + 2]]))) /
                      6;
-        CheckPieces(torus, ring, exact, "torus");
+        CheckWhole(torus, ring, exact, "torus");
     }
 }
 END_TEST
@@ -141,16 +141,16 @@ START_TEST(cuts_through_vertices_and_along_faces_are_closed)
     qcFractureDef box = qcBoxToBreak(1, 1, 1);
     for (int i = 0; i < 27; i++)
         box.sites.push_back(btVector3(btScalar(i % 3 - 1), btScalar(i / 3 % 3 - 1), btScalar(i / 9 - 1)));
-    CheckPieces(box, qcFracture_Split(box), 8, "lattice");
+    CheckWhole(box, qcFracture_Split(box), 8, "lattice");
     box.sites.clear();
     for (int i = 0; i < 8; i++)
         box.sites.push_back(btVector3(btScalar(i & 1) * 2, btScalar(i & 2), btScalar(i & 4) / 2));
     qcFracture whole = qcFracture_Split(box);
-    CheckPieces(box, whole, 8, "faces");
+    CheckWhole(box, whole, 8, "faces");
     ck_assert_uint_eq(whole.pieces.size(), 1);
     box.sites = {btVector3(btScalar(0.1), 0, 0)};
     qcFracture one = qcFracture_Split(box);
-    CheckPieces(box, one, 8, "one site");
+    CheckWhole(box, one, 8, "one site");
     ck_assert_uint_eq(one.pieces[0].firstCutTriangle, 12);
 }
 END_TEST
@@ -184,7 +184,7 @@ START_TEST(triangles_back_to_back_are_dropped)
         box.indices.push_back(index);
     qcScatterInside(&box, 30, 2);
     qcFracture fracture = qcFracture_Split(box);
-    CheckPieces(box, fracture, 8, "a box with a fin");
+    CheckWhole(box, fracture, 8, "a box with a fin");
     for (const qcPiece& piece : fracture.pieces)
         for (const btVector3& vertex : piece.vertices)
             ck_assert_double_le(double((piece.frame * vertex).absolute()[0]), 1 + s_rounding);
@@ -206,7 +206,7 @@ START_TEST(hollows_make_holes_in_cuts)
     for (uint32_t count : {3u, 20u, 150u})
     {
         qcScatterInside(&def, count, count);
-        CheckPieces(def, qcFracture_Split(def), 8 - 27 * 0.008, "hollows");
+        CheckWhole(def, qcFracture_Split(def), 8 - 27 * 0.008, "hollows");
     }
 }
 END_TEST

@@ -20,7 +20,7 @@
 namespace
 {
 // btScalar may be float: positions of pieces are rounded to it.
-const double s_rounding = sizeof(btScalar) == sizeof(float) ? 2e-6 : 1e-12;
+const double s_bondRounding = sizeof(btScalar) == sizeof(float) ? 2e-6 : 1e-12;
 const double s_infinity = std::numeric_limits<double>::infinity();
 
 using Point = std::array<double, 2>;
@@ -94,7 +94,7 @@ std::vector<std::array<Point, 3>> TrianglesInCut(const qcFractureDef& def, const
             distance = std::max(distance, std::fabs(double(at.dot(normal))));
             triangle[c] = {double(at.dot(u)), double(at.dot(v))};
         }
-        if (distance > 20 * s_rounding)
+        if (distance > 20 * s_bondRounding)
             continue;
         if (Side(triangle[0], triangle[1], triangle[2]) < 0)
             std::swap(triangle[1], triangle[2]);
@@ -143,8 +143,8 @@ void CheckBonds(const qcFractureDef& def, const char* what)
             double expected = SharedArea(def, fracture.pieces[a], fracture.pieces[b]);
             auto found = bonds.find({a, b});
             double area = found != bonds.end() ? found->second->area : 0;
-            ck_assert_msg(std::fabs(area - expected) <= 200 * s_rounding, "%s: pieces %u and %u share %g, not %g", what,
-                          a, b, expected, area);
+            ck_assert_msg(std::fabs(area - expected) <= 200 * s_bondRounding, "%s: pieces %u and %u share %g, not %g",
+                          what, a, b, expected, area);
             sum += area;
             if (found == bonds.end())
                 continue;

@@ -14,14 +14,14 @@
 namespace
 {
 const bool s_isFloat = sizeof(btScalar) == sizeof(float);
-const double s_rounding = s_isFloat ? 2e-6 : 1e-11; ///< of a piece of length 1
+const double s_scaledRounding = s_isFloat ? 2e-6 : 1e-11; ///< of a piece of length 1
 
-typedef std::array<double, 3> Point;
+typedef std::array<double, 3> Point3;
 
 //  ---- input -----------------------------------------------------------------------------------------
 
 /// Scales and moves vertices and sites, with one rounding each.
-qcFractureDef Moved(qcFractureDef def, double scale, const Point& place)
+qcFractureDef Moved(qcFractureDef def, double scale, const Point3& place)
 {
     for (std::vector<btVector3>* points : {&def.vertices, &def.sites})
         for (btVector3& p : *points)
@@ -41,18 +41,18 @@ std::vector<qcFractureDef> MakeCases(uint32_t siteCount)
 
 //  ---- checks ----------------------------------------------------------------------------------------
 
-Point PointOf(const btVector3& v)
+Point3 PointOf(const btVector3& v)
 {
     return {double(v[0]), double(v[1]), double(v[2])};
 }
 
 /// A vertex of a piece in the mesh's frame.
-Point InMesh(const qcPiece& piece, const btVector3& vertex)
+Point3 InMesh(const qcPiece& piece, const btVector3& vertex)
 {
-    Point p, v = PointOf(vertex), origin = PointOf(piece.frame.getOrigin());
+    Point3 p, v = PointOf(vertex), origin = PointOf(piece.frame.getOrigin());
     for (int k = 0; k < 3; k++)
     {
-        Point row = PointOf(piece.frame.getBasis()[k]);
+        Point3 row = PointOf(piece.frame.getBasis()[k]);
         p[size_t(k)] = row[0] * v[0] + row[1] * v[1] + row[2] * v[2] + origin[size_t(k)];
     }
     return p;
@@ -60,7 +60,7 @@ Point InMesh(const qcPiece& piece, const btVector3& vertex)
 
 /// Winding number of the triangles around a point, by solid angles (Van Oosterom, Strackee: The solid angle of a plane
 /// triangle, 1983).
-double WindingOf(const std::vector<Point>& vertices, const std::vector<uint32_t>& indices, const Point& point)
+double WindingOf(const std::vector<Point3>& vertices, const std::vector<uint32_t>& indices, const Point3& point)
 {
     double sum = 0;
     for (size_t i = 0; i < indices.size(); i += 3)
@@ -83,7 +83,7 @@ double WindingOf(const std::vector<Point>& vertices, const std::vector<uint32_t>
 }
 
 /// A point relative to a place in the mesh's frame, divided by a scale: angles and volumes neither overflow nor cancel.
-Point Near(const Point& p, const Point& place, double scale)
+Point3 Near(const Point3& p, const Point3& place, double scale)
 {
     return {(p[0] - place[0]) / scale, (p[1] - place[1]) / scale, (p[2] - place[2]) / scale};
 }
@@ -99,13 +99,13 @@ double VolumeOf(const std::vector<btVector3>& vertices, const std::vector<uint32
 }
 
 /// Checks that each point around the place is in as many pieces as in the mesh: none or one.
-void CheckNoOverlap(const qcFractureDef& def, const qcFracture& fracture, double scale, const Point& place,
+void CheckNoOverlap(const qcFractureDef& def, const qcFracture& fracture, double scale, const Point3& place,
                     const std::string& what)
 {
-    std::vector<Point> mesh;
+    std::vector<Point3> mesh;
     for (const btVector3& vertex : def.vertices)
         mesh.push_back(Near(PointOf(vertex), place, scale));
-    std::vector<std::vector<Point>> pieces;
+    std::vector<std::vector<Point3>> pieces;
     for (const qcPiece& piece : fracture.pieces)
     {
         pieces.emplace_back();
@@ -116,7 +116,7 @@ void CheckNoOverlap(const qcFractureDef& def, const qcFracture& fracture, double
     for (int i = 0; i < 40; i++)
     {
         auto coordinate = [&] { return 3.2 * (double(random()) / 4294967296.0 - 0.5); };
-        Point point = {coordinate(), coordinate(), coordinate()};
+        Point3 point = {coordinate(), coordinate(), coordinate()};
         double winding = 0;
         for (size_t k = 0; k < pieces.size(); k++)
             winding += WindingOf(pieces[k], fracture.pieces[k].indices, point);
@@ -127,7 +127,7 @@ void CheckNoOverlap(const qcFractureDef& def, const qcFracture& fracture, double
 }
 
 /// Checks the pieces of a mesh that is about `scale` long, at `place`: closed, with the volume of the mesh, disjoint.
-qcFracture CheckPieces(const qcFractureDef& def, double scale, const Point& place, const std::string& what)
+qcFracture CheckPieces(const qcFractureDef& def, double scale, const Point3& place, const std::string& what)
 {
     qcFracture fracture = qcFracture_Split(def);
     ck_assert_msg(fracture.status == qc_statusOk, "%s: %s", what.c_str(), fracture.message.c_str());
@@ -136,7 +136,7 @@ qcFracture CheckPieces(const qcFractureDef& def, double scale, const Point& plac
     {
         ck_assert_msg(qcIsClosed(piece), "%s: a piece is open", what.c_str());
         double volume = VolumeOf(piece.vertices, piece.indices, scale);
-        ck_assert_msg(std::fabs(volume - piece.volume / cube) <= 20 * s_rounding, "%s: a piece is %g, not %g",
+        ck_assert_msg(std::fabs(volume - piece.volume / cube) <= 20 * s_scaledRounding, "%s: a piece is %g, not %g",
                       what.c_str(), volume, piece.volume / cube);
         ck_assert(piece.volume > 0);
         sum += piece.volume / cube;
@@ -145,15 +145,15 @@ qcFracture CheckPieces(const qcFractureDef& def, double scale, const Point& plac
     for (btVector3& vertex : vertices)
         vertex -= def.vertices[0];
     double whole = VolumeOf(vertices, def.indices, scale), lost = fracture.lostVolume / cube;
-    ck_assert_msg(std::fabs(sum + lost - whole) <= 4 * s_rounding * whole, "%s: pieces are %.9g of %.9g", what.c_str(),
-                  sum, whole);
-    ck_assert_double_eq_tol(fracture.volume / cube, whole, 4 * s_rounding * whole);
+    ck_assert_msg(std::fabs(sum + lost - whole) <= 4 * s_scaledRounding * whole, "%s: pieces are %.9g of %.9g",
+                  what.c_str(), sum, whole);
+    ck_assert_double_eq_tol(fracture.volume / cube, whole, 4 * s_scaledRounding * whole);
     ck_assert_double_le(lost, 1e-6 * whole);
     CheckNoOverlap(def, fracture, scale, place, what);
     return fracture;
 }
 
-void ExpectRefusal(const qcFractureDef& def, const std::string& part)
+void ExpectRefusalAtScale(const qcFractureDef& def, const std::string& part)
 {
     qcFracture fracture = qcFracture_Split(def);
     ck_assert_int_eq(fracture.status, qc_statusBadInput);
@@ -164,7 +164,7 @@ void ExpectRefusal(const qcFractureDef& def, const std::string& part)
 
 bool HavePointsAtTheSamePlace(const std::vector<btVector3>& points)
 {
-    std::vector<Point> sorted;
+    std::vector<Point3> sorted;
     for (const btVector3& p : points)
         sorted.push_back(PointOf(p));
     std::sort(sorted.begin(), sorted.end());
@@ -229,7 +229,7 @@ START_TEST(meshes_far_from_the_origin_fall_into_pieces_that_fill_them)
     for (double distance : {10.0, 1e3, 1e6, 1e12, 1e15})
         for (const qcFractureDef& def : MakeCases(21))
         {
-            Point place = {distance, -distance / 2, distance / 3};
+            Point3 place = {distance, -distance / 2, distance / 3};
             qcFractureDef moved = Moved(def, 1, place);
             if ((s_isFloat && distance > 1e6) || HavePointsAtTheSamePlace(moved.sites))
                 continue;
@@ -268,7 +268,7 @@ START_TEST(sites_that_are_all_far_away_cut_where_their_bisectors_lie)
         qcFracture fracture = CheckPieces(def, 1, {}, std::to_string(distance));
         ck_assert_uint_eq(fracture.pieces.size(), 25);
         for (const qcPiece& piece : fracture.pieces)
-            ck_assert_double_eq_tol(piece.volume, 0.32, 4 * s_rounding);
+            ck_assert_double_eq_tol(piece.volume, 0.32, 4 * s_scaledRounding);
     }
 }
 END_TEST
@@ -299,7 +299,7 @@ START_TEST(sites_on_a_distant_sphere_cut_pieces_that_fill_the_mesh)
             def.sites.clear();
             for (int i = 0; i < 25; i++)
             {
-                Point p = {coordinate(), coordinate(), coordinate()};
+                Point3 p = {coordinate(), coordinate(), coordinate()};
                 double scale = std::pow(10, exponent) / std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
                 def.sites.push_back(btVector3(btScalar(p[0] * scale), btScalar(p[1] * scale), btScalar(p[2] * scale)));
             }
@@ -336,7 +336,7 @@ START_TEST(sites_however_close_to_each_other_have_a_cut_between_them)
         def.sites = {btVector3(0, 0, 0), btVector3(btScalar(gap), 0, 0)};
         qcFracture halves = CheckPieces(def, 1, {}, std::to_string(gap));
         ck_assert_uint_eq(halves.pieces.size(), 2);
-        ck_assert_double_eq_tol(halves.pieces[0].volume, 4 * (1 + gap / 2), 4 * s_rounding);
+        ck_assert_double_eq_tol(halves.pieces[0].volume, 4 * (1 + gap / 2), 4 * s_scaledRounding);
         qcScatterInside(&def, 20, 20);
         def.sites.push_back(btVector3(0, 0, 0));
         def.sites.push_back(btVector3(btScalar(gap), 0, 0));
@@ -374,26 +374,26 @@ START_TEST(input_beyond_the_range_of_btscalar_or_double_is_refused_with_its_plac
     def.sites = {btVector3(0, 0, 0), btVector3(1, 0, 0)};
     double least = double(std::numeric_limits<btScalar>::min()),
            greatest = double(std::numeric_limits<btScalar>::max());
-    ExpectRefusal(Moved(def, least, {}), "vertices 0 and 5 are at distance");
-    ExpectRefusal(Moved(def, greatest, {}), "vertices 0 and 5 are at distance");
-    ExpectRefusal(Moved(def, 0, {1, 1, 1}), "sites 0 and 1 are at the same place");
+    ExpectRefusalAtScale(Moved(def, least, {}), "vertices 0 and 5 are at distance");
+    ExpectRefusalAtScale(Moved(def, greatest, {}), "vertices 0 and 5 are at distance");
+    ExpectRefusalAtScale(Moved(def, 0, {1, 1, 1}), "sites 0 and 1 are at the same place");
     def.sites.pop_back();
-    ExpectRefusal(Moved(def, 0, {1, 1, 1}), "are at distance 0");
+    ExpectRefusalAtScale(Moved(def, 0, {1, 1, 1}), "are at distance 0");
     def.vertices.push_back(btVector3(btScalar(greatest), 0, 0)); // of no triangle
     ck_assert_int_eq(qcFracture_Split(def).status, qc_statusOk);
     def = qcBoxToBreak(1, 1, 1e-13);
     def.sites = {btVector3(0, 0, 0)};
-    ExpectRefusal(def, "too thin");
+    ExpectRefusalAtScale(def, "too thin");
     def.sites = {btVector3(0, 0, 0), btVector3(0, btScalar(-INFINITY), 0)};
-    ExpectRefusal(def, "site 1 is not finite");
+    ExpectRefusalAtScale(def, "site 1 is not finite");
     if (s_isFloat)
         return;
     def = qcBoxToBreak(1, 1, 1);
     def.sites = {btVector3(0, 0, 0)};
-    ExpectRefusal(Moved(def, 1e110, {}), "leaves the range of double");
-    ExpectRefusal(Moved(def, 1e-102, {}), "leaves the range of double");
+    ExpectRefusalAtScale(Moved(def, 1e110, {}), "leaves the range of double");
+    ExpectRefusalAtScale(Moved(def, 1e-102, {}), "leaves the range of double");
     def.sites = {btVector3(btScalar(1e160), 0, 0), btVector3(0, btScalar(1e155), 0)};
-    ExpectRefusal(def, "site 1, the nearest");
+    ExpectRefusalAtScale(def, "site 1, the nearest");
 }
 END_TEST
 

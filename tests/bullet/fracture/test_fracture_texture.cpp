@@ -47,7 +47,7 @@ Vector VectorArea(const Vector& a, const Vector& b, const Vector& c)
     return {cross[0] / 2, cross[1] / 2, cross[2] / 2};
 }
 
-std::vector<qcFractureDef> Models()
+std::vector<qcFractureDef> TexturedModels()
 {
     std::vector<qcFractureDef> models = {qcBoxToBreak(1, 0.5, 0.7), qcTorusToBreak(24, 12, 1, 0.4), qcHollowToBreak()};
     for (qcFractureDef& model : models)
@@ -65,7 +65,7 @@ qcFracture Split(const qcFractureDef& def)
 
 START_TEST(outer_triangles_cover_the_triangle_of_the_mesh_that_they_name)
 {
-    for (const qcFractureDef& def : Models())
+    for (const qcFractureDef& def : TexturedModels())
     {
         qcFracture fracture = Split(def);
         ck_assert_uint_eq(fracture.triangleCount, def.indices.size() / 3);
@@ -93,7 +93,7 @@ END_TEST
 
 START_TEST(triangles_in_cuts_lie_halfway_between_their_site_and_the_one_they_name)
 {
-    for (const qcFractureDef& def : Models())
+    for (const qcFractureDef& def : TexturedModels())
     {
         qcFracture fracture = Split(def);
         ck_assert_uint_eq(fracture.siteCount, def.sites.size());
@@ -136,7 +136,7 @@ qcTextureDef LinearTexture(const qcFractureDef& def)
 
 START_TEST(the_surface_keeps_its_materials_and_its_texture)
 {
-    for (const qcFractureDef& def : Models())
+    for (const qcFractureDef& def : TexturedModels())
     {
         qcFracture fracture = Split(def);
         for (const qcPiece& piece : fracture.pieces)
@@ -169,7 +169,7 @@ END_TEST
 
 START_TEST(the_texture_inside_is_planar_in_units_of_length_and_equal_on_both_sides_of_a_cut)
 {
-    for (const qcFractureDef& def : Models())
+    for (const qcFractureDef& def : TexturedModels())
     {
         qcFracture fracture = Split(def);
         // Coordinates by cut and position, from the lower site's side.
@@ -213,7 +213,7 @@ END_TEST
 
 START_TEST(a_texture_of_another_mesh_is_refused)
 {
-    qcFractureDef def = Models()[0], coarse = qcBoxToBreak(1, 1, 1);
+    qcFractureDef def = TexturedModels()[0], coarse = qcBoxToBreak(1, 1, 1);
     qcFracture fracture = Split(def);
     qcPiece piece = fracture.pieces[0];
     qcTextureDef texture = LinearTexture(def);

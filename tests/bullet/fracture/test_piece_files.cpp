@@ -277,7 +277,7 @@ START_TEST(pieces_that_were_changed_wrongly_are_not_saved)
 END_TEST
 } // namespace
 
-int main()
+QC_TEST_MAIN()
 {
     const TTest* const tests[] = {pieces_are_loaded_as_they_were_saved_bit_by_bit,
                                   a_file_that_ends_early_is_refused_wherever_it_ends,

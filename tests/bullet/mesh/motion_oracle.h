@@ -14,7 +14,7 @@
 // After the standard headers: check defines a macro named fail.
 #include "support/suite.h"
 
-struct qcSoup
+struct qcWorldMesh
 {
     std::vector<double> positions; ///< world space
     std::vector<uint32_t> indices;
@@ -25,9 +25,9 @@ struct qcSoup
     }
 };
 
-inline qcSoup qcSoupOf(const qcModel& model, const btTransform& transform)
+inline qcWorldMesh qcWorldMeshOf(const qcModel& model, const btTransform& transform)
 {
-    qcSoup soup;
+    qcWorldMesh soup;
     for (size_t i = 0; i < model.positions.size(); i += 3)
         soup.Add(transform * btVector3(model.positions[i], model.positions[i + 1], model.positions[i + 2]));
     soup.indices = model.indices;
@@ -35,7 +35,7 @@ inline qcSoup qcSoupOf(const qcModel& model, const btTransform& transform)
 }
 
 /// A body of these triangles, which have to outlive the call that takes it.
-inline qcBodyDef qcBodyOf(const qcSoup& soup)
+inline qcBodyDef qcBodyOf(const qcWorldMesh& soup)
 {
     qcBodyDef def = qcDefaultBodyDef();
     def.positions = soup.positions.data();
@@ -66,10 +66,10 @@ class qcMotionOracle
     qcMotionOracle& operator=(const qcMotionOracle&) = delete;
 
     /// `now` returns the body's triangles where they are.
-    void Add(std::function<qcSoup()> now)
+    void Add(std::function<qcWorldMesh()> now)
     {
         Body body{std::move(now), {}, {}};
-        qcSoup soup = body.now();
+        qcWorldMesh soup = body.now();
         qcBodyDef def = qcBodyOf(soup);
         def.deforming = true;
         def.selfCollision = false;
@@ -80,7 +80,7 @@ class qcMotionOracle
 
     void Add(const qcModel& model, const btCollisionObject* object)
     {
-        Add([&model, object] { return qcSoupOf(model, object->getWorldTransform()); });
+        Add([&model, object] { return qcWorldMeshOf(model, object->getWorldTransform()); });
     }
 
     /// The largest count at any moment since the last call; the last moment is the present, and a new start.
@@ -98,7 +98,7 @@ class qcMotionOracle
   private:
     struct Body
     {
-        std::function<qcSoup()> now;
+        std::function<qcWorldMesh()> now;
         qcBodyId id;
         std::vector<double> start;
     };

@@ -128,7 +128,7 @@ START_TEST(faces_that_begin_in_contact_have_rolling_friction_from_their_second_s
 END_TEST
 } // namespace
 
-int main()
+QC_TEST_MAIN()
 {
     Suite* suite = suite_create("margin overlap");
     TCase* tests = tcase_create("margin overlap");

@@ -18,7 +18,7 @@
 
 namespace
 {
-btVector3 RandomPoint(qcRandom* random, double low, double high)
+btVector3 PointBetween(qcRandom* random, double low, double high)
 {
     double x = qcRandom_Uniform(random, low, high), y = qcRandom_Uniform(random, low, high);
     return btVector3(btScalar(x), btScalar(y), btScalar(qcRandom_Uniform(random, low, high)));
@@ -26,7 +26,7 @@ btVector3 RandomPoint(qcRandom* random, double low, double high)
 
 btQuaternion RandomTurn(qcRandom* random)
 {
-    return btQuaternion(RandomPoint(random, -1, 1).normalized(), btScalar(qcRandom_Uniform(random, 0, 6)));
+    return btQuaternion(PointBetween(random, -1, 1).normalized(), btScalar(qcRandom_Uniform(random, 0, 6)));
 }
 
 struct Hit
@@ -120,7 +120,7 @@ struct Shapes
     {
         qcRandom random = {11};
         for (int i = 0; i < 20; i++)
-            hull.addPoint(RandomPoint(&random, -0.2, 0.3));
+            hull.addPoint(PointBetween(&random, -0.2, 0.3));
     }
 
     const btConvexShape& operator[](int i) const
@@ -133,11 +133,11 @@ struct Shapes
 qcSweep RandomSweep(qcRandom* random, int i)
 {
     qcSweep sweep;
-    sweep.from = btTransform(RandomTurn(random), RandomPoint(random, -1.5, 1.5));
+    sweep.from = btTransform(RandomTurn(random), PointBetween(random, -1.5, 1.5));
     sweep.to = sweep.from;
     if (i % 4 == 0)
         sweep.to.setRotation(RandomTurn(random));
-    sweep.to.setOrigin(i % 7 == 0 ? sweep.from.getOrigin() : RandomPoint(random, -1.5, 1.5));
+    sweep.to.setOrigin(i % 7 == 0 ? sweep.from.getOrigin() : PointBetween(random, -1.5, 1.5));
     if (i % 5 == 0) // along an axis
         sweep.to.setOrigin(sweep.from.getOrigin() + btVector3(i % 2 == 0 ? 2 : -2, 0, 0));
     return sweep;
@@ -255,7 +255,7 @@ START_TEST(no_ray_slips_through_an_edge_or_a_vertex)
             btVector3 target = i % 4 == 0 ? a : a.lerp(b, btScalar(qcRandom_Uniform(&random, 0, 1)));
             // The torus lies around the y axis: inside is the middle of its tube.
             btVector3 middle = torus ? btVector3(target.x(), 0, target.z()).normalized() : btVector3(0, 0, 0);
-            btVector3 from = place * (middle + RandomPoint(&random, -0.05, 0.05)), to = place * target;
+            btVector3 from = place * (middle + PointBetween(&random, -0.05, 0.05)), to = place * target;
             to += (to - from) * btScalar(0.5);
             btCollisionWorld::ClosestRayResultCallback hit(from, to);
             mesh.world.rayTest(from, to, hit);
@@ -289,9 +289,9 @@ START_TEST(rays_hit_each_triangle_that_bullets_test_of_it_hits)
             const btVector3* points = mesh.shape->getVertices();
             for (int i = 0; i < 300; i++)
             {
-                btVector3 from = RandomPoint(&random, -2, 2), to = RandomPoint(&random, -2, 2);
+                btVector3 from = PointBetween(&random, -2, 2), to = PointBetween(&random, -2, 2);
                 if (i % 3 == 0)
-                    from = RandomPoint(&random, -20, 20);
+                    from = PointBetween(&random, -20, 20);
                 if (i % 5 == 0) // along an axis, through vertices
                     from = to = model.Corner(uint32_t(i) % model.TriangleCount(), 0);
                 if (i % 5 == 0)
@@ -338,7 +338,7 @@ START_TEST(a_batch_of_rays_has_the_hits_of_single_rays_on_any_number_of_threads)
     qcRandom random = {6};
     std::vector<qcRay> rays(1001);
     for (qcRay& ray : rays)
-        ray = {RandomPoint(&random, -2, 2), RandomPoint(&random, -1, 1)};
+        ray = {PointBetween(&random, -2, 2), PointBetween(&random, -1, 1)};
     std::vector<qcCastHit> hits(rays.size()), expected(rays.size());
     int hitCount = 0;
     for (size_t i = 0; i < rays.size(); i++)

@@ -7,7 +7,7 @@
 
 namespace
 {
-double HeightOf(const btRigidBody* body)
+double CubeHeight(const btRigidBody* body)
 {
     return double(body->getWorldTransform().getOrigin().y());
 }
@@ -27,10 +27,10 @@ START_TEST(a_resting_cube_that_is_scaled_up_rises)
     btScalar margin = qcAddFloor(world, qc_floorStatic);
     btCollisionShape* shape = world.Keep(qcCubeModel().MakeShape());
     btRigidBody* cube = AddCube(world, shape, margin);
-    double before = HeightOf(cube);
+    double before = CubeHeight(cube);
     shape->setLocalScaling(btVector3(1, btScalar(1.04), 1));
     world.Step(120);
-    ck_assert_double_eq_tol(HeightOf(cube), before + 0.02, 1e-3);
+    ck_assert_double_eq_tol(CubeHeight(cube), before + 0.02, 1e-3);
 }
 END_TEST
 
@@ -72,12 +72,12 @@ START_TEST(a_new_mesh_at_an_old_address_is_read_anew)
     };
     qcMeshShape* shape = make(btScalar(0.5));
     btRigidBody* cube = AddCube(world, shape, margin);
-    double before = HeightOf(cube);
+    double before = CubeHeight(cube);
     shape->~qcMeshShape();
     shape = make(btScalar(0.52));
     cube->setCollisionShape(shape);
     world.Step(120);
-    ck_assert_double_eq_tol(HeightOf(cube), before + 0.02, 1e-3);
+    ck_assert_double_eq_tol(CubeHeight(cube), before + 0.02, 1e-3);
     world.world.removeRigidBody(cube);
     world.bodies.pop_back();
     shape->~qcMeshShape();
@@ -137,14 +137,14 @@ START_TEST(bullets_meshes_may_change_under_a_resting_mesh)
     {
         RisingFloor floor(kind);
         btRigidBody* cube = AddCube(floor.world, floor.world.Keep(qcCubeModel().MakeShape()), floor.shape->getMargin());
-        double before = HeightOf(cube);
+        double before = CubeHeight(cube);
         for (int i = 1; i <= 60; i++)
         {
             floor.Rise(btScalar(0.005 * i));
             floor.world.Step();
         }
         floor.world.Step(120);
-        ck_assert_double_eq_tol(HeightOf(cube), before + 0.3, 1e-3);
+        ck_assert_double_eq_tol(CubeHeight(cube), before + 0.3, 1e-3);
     }
 }
 END_TEST
@@ -156,14 +156,14 @@ START_TEST(a_change_of_bounds_is_detected_without_update_shape)
     auto* floor = static_cast<btBvhTriangleMeshShape*>(world.StaticMesh(model));
     world.Add(floor, 0, btVector3(0, 0, 0));
     btRigidBody* cube = AddCube(world, world.Keep(qcCubeModel().MakeShape()), floor->getMargin());
-    double before = HeightOf(cube);
+    double before = CubeHeight(cube);
     std::vector<btScalar>& positions = world.models.back()->positions;
     for (size_t i = 1; i < positions.size(); i += 3)
         positions[i] = btScalar(0.02);
     const btVector3 far(10, 10, 10);
     floor->refitTree(-far, far);
     world.Step(120);
-    ck_assert_double_eq_tol(HeightOf(cube), before + 0.02, 1e-3);
+    ck_assert_double_eq_tol(CubeHeight(cube), before + 0.02, 1e-3);
 }
 END_TEST
 
@@ -182,7 +182,7 @@ START_TEST(a_body_may_be_given_a_shape_of_any_kind)
         auto* plane = new btStaticPlaneShape(btVector3(0, -1, 0), 0);
         world.Keep(std::unique_ptr<btCollisionShape>(plane));
         btRigidBody* cube = AddCube(world, mesh, margin);
-        double rest = HeightOf(cube);
+        double rest = CubeHeight(cube);
         for (btCollisionShape* other :
              {box, static_cast<btCollisionShape*>(compound), static_cast<btCollisionShape*>(plane)})
         {
@@ -192,7 +192,7 @@ START_TEST(a_body_may_be_given_a_shape_of_any_kind)
             ck_assert_int_eq(qcContactsOf(world.dispatcher).points, 0);
             cube->setCollisionShape(mesh);
             world.Step(120);
-            ck_assert_double_eq_tol(HeightOf(cube), rest, 1e-3);
+            ck_assert_double_eq_tol(CubeHeight(cube), rest, 1e-3);
         }
     }
 }
@@ -209,11 +209,11 @@ START_TEST(empty_meshes_and_transforms_that_are_not_finite_disturb_no_other_body
     world.Keep(std::unique_ptr<btCollisionShape>(compound));
     compound->addChildShape(btTransform::getIdentity(), empty);
     btRigidBody* cube = AddCube(world, shape, margin);
-    double rest = HeightOf(cube);
+    double rest = CubeHeight(cube);
     world.Add(empty, 1, btVector3(0, btScalar(0.5), 0));
     world.Add(compound, 1, btVector3(0, btScalar(1.2), 0));
     world.Step(60);
-    ck_assert_double_eq_tol(HeightOf(cube), rest, 1e-3);
+    ck_assert_double_eq_tol(CubeHeight(cube), rest, 1e-3);
     btRigidBody* lost = world.Add(shape, 1, btVector3(2, btScalar(0.52), 0));
     btRigidBody* upper = world.Add(shape, 1, btVector3(0, btScalar(rest) + btScalar(1.02), 0));
     world.Step(10);
@@ -221,8 +221,8 @@ START_TEST(empty_meshes_and_transforms_that_are_not_finite_disturb_no_other_body
     lost->setLinearVelocity(btVector3(nan, nan, nan));
     for (int i = 0; i < 60; i++)
         world.world.stepSimulation(qcStep, 0);
-    ck_assert_double_eq_tol(HeightOf(cube), rest, 1e-3);
-    ck_assert_double_eq_tol(HeightOf(upper), rest + 1.02, 2e-3);
+    ck_assert_double_eq_tol(CubeHeight(cube), rest, 1e-3);
+    ck_assert_double_eq_tol(CubeHeight(upper), rest + 1.02, 2e-3);
 }
 END_TEST
 } // namespace

@@ -12,7 +12,7 @@ namespace
 {
 constexpr btScalar s_speed = 5; // 8 cm a step, and a threshold of 1.7
 
-btScalar HeightOf(const btRigidBody* body)
+btScalar BodyHeight(const btRigidBody* body)
 {
     return body->getWorldTransform().getOrigin().y();
 }
@@ -42,9 +42,9 @@ void CheckFall(qcFloor floor, bool compound, btScalar turn)
             moments = std::max(moments, world.contact.getStatistics().moments);
             planes = std::max(planes, world.contact.getStatistics().planes);
             // The velocity at the beginning of the step lacks only the step's gravity.
-            ck_assert_double_gt(double(HeightOf(cube)), double(rest) - 2e-3);
+            ck_assert_double_gt(double(BodyHeight(cube)), double(rest) - 2e-3);
         }
-        ck_assert_double_lt(double(HeightOf(cube)), double(rest) + 0.02);
+        ck_assert_double_lt(double(BodyHeight(cube)), double(rest) + 0.02);
         // Meshes in compounds are sampled; a single one, as small as this, has contact on both sides of a plane.
         ck_assert_int_ge(compound ? moments : planes, compound ? 2 : 1);
         // At rest.
@@ -194,11 +194,11 @@ START_TEST(a_body_pushed_after_a_query_is_queried_again)
     cube->setLinearVelocity(btVector3(0, -20, 0));
     world.Step();
     ck_assert_int_gt(world.contact.getStatistics().planes, 0);
-    ck_assert_double_gt(double(HeightOf(cube)), double(rest) - 1e-4);
+    ck_assert_double_gt(double(BodyHeight(cube)), double(rest) - 1e-4);
     // Pushed the other way, it is free.
     cube->setLinearVelocity(btVector3(0, 20, 0));
     world.Step();
-    ck_assert_double_gt(double(HeightOf(cube)), double(rest) + 0.3);
+    ck_assert_double_gt(double(BodyHeight(cube)), double(rest) + 0.3);
 }
 END_TEST
 
@@ -213,7 +213,7 @@ START_TEST(velocities_that_are_not_finite_disturb_no_other_body)
     odd->setLinearVelocity(btVector3(0, btScalar(-1e30), 0));
     // Not Step, which requires status ok: the body without a finite place has an error.
     world.world.stepSimulation(qcStep, 0);
-    ck_assert_double_gt(double(HeightOf(cube)), double(rest) - 2e-3);
+    ck_assert_double_gt(double(BodyHeight(cube)), double(rest) - 2e-3);
 }
 END_TEST
 
@@ -443,7 +443,7 @@ END_TEST
 #endif
 } // namespace
 
-int main()
+QC_TEST_MAIN()
 {
     Suite* suite = suite_create("mesh_ahead");
     TCase* tests = tcase_create("mesh_ahead");

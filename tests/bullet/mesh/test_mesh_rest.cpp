@@ -294,7 +294,7 @@ START_TEST(compounds_with_mesh_children_rest_on_meshes_and_on_each_other)
 END_TEST
 } // namespace
 
-int main()
+QC_TEST_MAIN()
 {
     Suite* suite = suite_create("mesh_rest");
     TCase* tests = tcase_create("mesh_rest");

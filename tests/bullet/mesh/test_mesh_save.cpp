@@ -49,16 +49,16 @@ struct Loaded
     }
 };
 
-typedef std::array<btScalar, 9> Triangle;
+typedef std::array<btScalar, 9> LoadedTriangle;
 
 struct TriangleCollector : btTriangleCallback
 {
     btTransform place;
-    std::vector<Triangle> triangles;
+    std::vector<LoadedTriangle> triangles;
 
     void processTriangle(btVector3* corners, int, int) override
     {
-        Triangle triangle;
+        LoadedTriangle triangle;
         for (int i = 0; i < 9; i++)
             triangle[size_t(i)] = (place * corners[i / 3])[i % 3];
         triangles.push_back(triangle);
@@ -82,7 +82,7 @@ void CollectTriangles(const btCollisionShape* shape, const btTransform& place, T
 }
 
 /// Triangles in the frame of the shape, sorted by their corners.
-std::vector<Triangle> TrianglesOf(const btCollisionShape* shape)
+std::vector<LoadedTriangle> TrianglesOf(const btCollisionShape* shape)
 {
     TriangleCollector collector;
     CollectTriangles(shape, btTransform::getIdentity(), &collector);
@@ -92,7 +92,7 @@ std::vector<Triangle> TrianglesOf(const btCollisionShape* shape)
 
 void CheckTriangles(const btCollisionShape* loaded, const btCollisionShape* saved, double tolerance)
 {
-    std::vector<Triangle> found = TrianglesOf(loaded), expected = TrianglesOf(saved);
+    std::vector<LoadedTriangle> found = TrianglesOf(loaded), expected = TrianglesOf(saved);
     ck_assert_uint_gt(expected.size(), 0);
     ck_assert_uint_eq(found.size(), expected.size());
     for (size_t t = 0; t < found.size(); t++)

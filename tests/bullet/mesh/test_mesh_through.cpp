@@ -463,7 +463,7 @@ END_TEST
 #endif
 } // namespace
 
-int main()
+QC_TEST_MAIN()
 {
     Suite* suite = suite_create("mesh_through");
     TCase* tests = tcase_create("mesh_through");

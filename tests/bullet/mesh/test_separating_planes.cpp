@@ -35,7 +35,7 @@ struct Placed
 };
 
 /// The distance of two meshes by all pairs of triangles; 0: they intersect.
-double DistanceOf(const Placed& a, const Placed& b)
+double GapOf(const Placed& a, const Placed& b)
 {
     double least = 1e30;
     for (uint32_t i = 0; i < a.shape->getTriangleCount(); i++)
@@ -70,16 +70,16 @@ double DistanceFrom(const Placed& mesh, const btVector3& point)
 
 std::mt19937 s_random(7);
 
-btScalar Random(btScalar low, btScalar high)
+btScalar RandomIn(btScalar low, btScalar high)
 {
     return std::uniform_real_distribution<btScalar>(low, high)(s_random);
 }
 
 btTransform RandomPlace(btScalar extent)
 {
-    btQuaternion turn(Random(-1, 1), Random(-1, 1), Random(-1, 1), Random(-1, 1));
+    btQuaternion turn(RandomIn(-1, 1), RandomIn(-1, 1), RandomIn(-1, 1), RandomIn(-1, 1));
     return btTransform(turn.normalized(),
-                       btVector3(Random(-extent, extent), Random(-extent, extent), Random(-extent, extent)));
+                       btVector3(RandomIn(-extent, extent), RandomIn(-extent, extent), RandomIn(-extent, extent)));
 }
 
 qcModel Box(btScalar x, btScalar y, btScalar z)
@@ -92,9 +92,10 @@ START_TEST(the_gap_of_convex_meshes_is_their_distance)
     int apart = 0;
     for (int run = 0; run < s_runs; run++)
     {
-        Placed a(Box(Random(btScalar(0.1), 1), Random(btScalar(0.1), 1), Random(btScalar(0.1), 1)), RandomPlace(1));
+        Placed a(Box(RandomIn(btScalar(0.1), 1), RandomIn(btScalar(0.1), 1), RandomIn(btScalar(0.1), 1)),
+                 RandomPlace(1));
         Placed b(Box(btScalar(0.5), btScalar(0.5), btScalar(0.5)), RandomPlace(2));
-        double distance = DistanceOf(a, b);
+        double distance = GapOf(a, b);
         qcSeparation found = qcFindSeparation(a.at, b.at, btVector3(0, 0, 0), BT_LARGE_FLOAT, 0);
         if (distance > 1e-3)
         {
@@ -117,7 +118,7 @@ START_TEST(no_axis_has_a_gap_beyond_the_distance)
     {
         Placed a(qcTorusModel(btScalar(0.5), btScalar(0.2), 8, 6), RandomPlace(btScalar(0.8)));
         Placed b(qcTorusModel(btScalar(0.5), btScalar(0.2), 8, 6), RandomPlace(btScalar(0.8)));
-        double distance = DistanceOf(a, b), error = double(qcGapError(a.at, b.at));
+        double distance = GapOf(a, b), error = double(qcGapError(a.at, b.at));
         btVector3 axis = RandomPlace(1).getBasis()[0];
         ck_assert_double_le(double(qcGapAlong(a.at, b.at, axis)), distance + error);
         qcSeparation found = qcFindSeparation(a.at, b.at, axis, BT_LARGE_FLOAT, 0);
@@ -147,9 +148,9 @@ START_TEST(bodies_that_meet_at_two_edges_have_a_plane_between_them)
     {
         // The edges cross at the origin. The meshes' own origins are elsewhere.
         btTransform place = RandomPlace(1);
-        btVector3 aside(Random(-1, 1), 2, Random(-1, 1));
-        qcModel low = Tetrahedron(-1, double(Random(-1, 1))), high = Tetrahedron(1, double(Random(-1, 1)));
-        high.Move(btTransform(btQuaternion(btVector3(0, 1, 0), Random(btScalar(0.8), btScalar(2.2)))));
+        btVector3 aside(RandomIn(-1, 1), 2, RandomIn(-1, 1));
+        qcModel low = Tetrahedron(-1, double(RandomIn(-1, 1))), high = Tetrahedron(1, double(RandomIn(-1, 1)));
+        high.Move(btTransform(btQuaternion(btVector3(0, 1, 0), RandomIn(btScalar(0.8), btScalar(2.2)))));
         high.Move(btTransform(btQuaternion::getIdentity(), -aside));
         Placed a(low, place);
         Placed b(high, place * btTransform(btQuaternion::getIdentity(), aside));
@@ -223,8 +224,9 @@ START_TEST(points_lie_on_both_meshes_and_one_is_where_they_are_nearest)
     for (int run = 0; run < s_runs; run++)
     {
         Placed a(Box(btScalar(0.5), btScalar(0.5), btScalar(0.5)), RandomPlace(btScalar(0.1)));
-        Placed b(Box(Random(btScalar(0.1), 1), Random(btScalar(0.1), 1), Random(btScalar(0.1), 1)), RandomPlace(2));
-        double distance = DistanceOf(a, b);
+        Placed b(Box(RandomIn(btScalar(0.1), 1), RandomIn(btScalar(0.1), 1), RandomIn(btScalar(0.1), 1)),
+                 RandomPlace(2));
+        double distance = GapOf(a, b);
         qcSeparation separation = qcFindSeparation(a.at, b.at, btVector3(0, 0, 0), BT_LARGE_FLOAT, 0);
         if (distance < 1e-3)
             continue;
@@ -266,7 +268,7 @@ struct CutBox
 
 btVector3 RandomHalf()
 {
-    return btVector3(Random(btScalar(0.2), 1), Random(btScalar(0.2), 1), Random(btScalar(0.2), 1));
+    return btVector3(RandomIn(btScalar(0.2), 1), RandomIn(btScalar(0.2), 1), RandomIn(btScalar(0.2), 1));
 }
 
 START_TEST(boxes_cut_from_one_touch_at_corners_of_the_cut)
@@ -341,7 +343,7 @@ END_TEST
 
 START_TEST(boxes_near_a_box_are_found_in_their_order)
 {
-    auto randomPoint = [](btScalar extent) { return qcFlat{Random(0, extent), Random(0, extent), 0}; };
+    auto randomPoint = [](btScalar extent) { return qcFlat{RandomIn(0, extent), RandomIn(0, extent), 0}; };
     qcFlatBoxes boxes;
     for (int run = 0; run < s_runs; run++)
     {

@@ -6,7 +6,7 @@
 
 namespace
 {
-constexpr btScalar s_shortStep = btScalar(1.0 / 240), s_margin = btScalar(0.001);
+constexpr btScalar s_pieceStep = btScalar(1.0 / 240), s_pieceMargin = btScalar(0.001);
 
 struct Pieces
 {
@@ -59,7 +59,7 @@ void AddPieces(qcMeshWorld* world, const CutDef& def, btScalar speed, Pieces* pi
         }
         pieces->models.push_back(qcBoxModel(half, i == 0 && def.firstQuads != 0 ? def.firstQuads : def.quads));
         btCollisionShape* shape = world->Keep(pieces->models.back().MakeShape());
-        shape->setMargin(s_margin);
+        shape->setMargin(s_pieceMargin);
         btRigidBody* body = world->Add(shape, 2000 * half.x() * half.y() * half.z(),
                                        place * btTransform(btQuaternion::getIdentity(), center));
         body->setLinearVelocity(btVector3(0, -speed, 0));
@@ -88,7 +88,7 @@ double StepsDepth(qcMeshWorld* world, const std::vector<qcPlacedModel>& all, int
     double deepest = 0;
     for (int step = 0; step < steps; step++)
     {
-        world->world.stepSimulation(s_shortStep, 0);
+        world->world.stepSimulation(s_pieceStep, 0);
         ck_assert_int_eq(world->contact.getStatistics().unproven, 0);
         deepest = std::max(deepest, DeepestOf(all));
     }
@@ -115,7 +115,7 @@ START_TEST(pieces_that_a_floor_of_any_mesh_stops_do_not_penetrate)
             pieces.placed.push_back({&floor, world.bodies.front().get()});
             for (int step = 0; step < 12; step++)
             {
-                world.world.stepSimulation(s_shortStep, 0);
+                world.world.stepSimulation(s_pieceStep, 0);
                 ck_assert_int_eq(world.contact.getStatistics().unproven, 0);
                 ck_assert_uint_eq(qcCountPenetrating(pieces.placed), 0);
             }
@@ -178,7 +178,7 @@ START_TEST(fine_pieces_with_planes_between_them_need_no_triangles)
     int planes = 0, points = 0;
     for (int step = 0; step < 4; step++)
     {
-        world.world.stepSimulation(s_shortStep, 0);
+        world.world.stepSimulation(s_pieceStep, 0);
         const qcMeshContactStatistics& statistics = world.contact.getStatistics();
         ck_assert_int_eq(statistics.planes, statistics.pairs);
         planes = std::max(planes, statistics.planes);
@@ -305,8 +305,8 @@ START_TEST(a_sliver_below_a_heavy_body_is_not_pressed_through_the_floor)
         // Too few for bodies of such different masses: the limits alone hold the sliver.
         world.world.getSolverInfo().m_numIterations = 4;
         btCollisionShape *thin = world.Keep(sliver.MakeShape()), *cube = world.Keep(heavy.MakeShape());
-        thin->setMargin(s_margin);
-        cube->setMargin(s_margin);
+        thin->setMargin(s_pieceMargin);
+        cube->setMargin(s_pieceMargin);
         btTransform place(btQuaternion(btVector3(0, 0, 1), btScalar(0.6)), btVector3(0, btScalar(0.72), 0));
         std::vector<qcPlacedModel> placed = {
             {&floor, world.Add(world.StaticMesh(floor), 0, btVector3(0, 0, 0))},
@@ -316,7 +316,7 @@ START_TEST(a_sliver_below_a_heavy_body_is_not_pressed_through_the_floor)
         world.bodies.back()->setLinearVelocity(btVector3(0, btScalar(-speed), 0));
         for (int step = 0; step < 140; step++)
         {
-            world.world.stepSimulation(s_shortStep, 0);
+            world.world.stepSimulation(s_pieceStep, 0);
             ck_assert_int_eq(world.contact.getStatistics().unproven, 0);
             ck_assert_uint_eq(qcCountPenetrating(placed), 0);
         }
@@ -332,7 +332,8 @@ double LowestUnderColumn(int cubes)
     world.world.getSolverInfo().m_numIterations = 0;
     qcAddFloor(world, qc_floorPlane);
     const qcModel plate = qcBoxModel(btVector3(btScalar(0.5), btScalar(0.05), btScalar(0.5)), 1), cube = qcCubeModel(1);
-    btCollisionShape *thin = world.Keep(plate.MakeShape(s_margin)), *heavy = world.Keep(cube.MakeShape(s_margin));
+    btCollisionShape *thin = world.Keep(plate.MakeShape(s_pieceMargin)),
+                     *heavy = world.Keep(cube.MakeShape(s_pieceMargin));
     std::vector<qcPlacedModel> placed = {{&plate, world.Add(thin, 1, btVector3(0, btScalar(0.051), 0))}};
     for (int i = 0; i < cubes; i++)
     {
@@ -340,7 +341,7 @@ double LowestUnderColumn(int cubes)
             {&cube, world.Add(heavy, 1000, btVector3(0, btScalar(0.605) + btScalar(1.003) * btScalar(i), 0))});
         world.bodies.back()->setLinearVelocity(btVector3(0, -4 - btScalar(i), 0));
     }
-    world.world.stepSimulation(s_shortStep, 0);
+    world.world.stepSimulation(s_pieceStep, 0);
     ck_assert_uint_eq(qcCountPenetrating(placed), 0);
     const double lowest = double(placed[0].body->getWorldTransform().getOrigin().y()) - 0.05;
     printf("%d cubes: lowest %.3f mm\n", cubes, 1000 * lowest);

@@ -92,9 +92,9 @@ void Step(qcBroadphaseModel& model, qcRandom* random, const qcBoxKinds& kinds, S
     model.broadphase.aabbTest(corner, corner + btVector3(1, 2, 3), query);
 }
 
-void Record(uint64_t seed, const qcBoxKinds& kinds, int unrecorded)
+void Record(uint64_t start, const qcBoxKinds& kinds, int unrecorded)
 {
-    qcRandom random = {seed};
+    qcRandom random = {start};
     SaltedFilter filter;
     qcBroadphaseModel model;
     for (int i = 0; i < unrecorded; i++)
@@ -118,9 +118,9 @@ void CheckReplay(const char* method, const char* results)
 START_TEST(a_recording_from_the_start_replays_to_the_last_box)
 {
     EnterFolder();
-    for (uint64_t seed = 1; seed <= 12; seed++)
+    for (uint64_t start = 1; start <= 12; start++)
     {
-        Record(seed, {seed % 2 == 0, seed % 3 == 0}, 0);
+        Record(start, {start % 2 == 0, start % 3 == 0}, 0);
         CheckReplay("recorded", "\n60 results are the recorded ones, 0 differ");
         CheckReplay("brute", "\n60 results are the recorded ones, 0 differ");
     }
@@ -131,9 +131,9 @@ END_TEST
 START_TEST(a_recording_that_starts_late_begins_with_the_present_boxes)
 {
     EnterFolder();
-    for (uint64_t seed = 21; seed <= 26; seed++)
+    for (uint64_t start = 21; start <= 26; start++)
     {
-        Record(seed, {false, seed % 2 == 0}, 8);
+        Record(start, {false, start % 2 == 0}, 8);
         CheckReplay("recorded", " 0 differ");
         CheckReplay("brute", "\n60 results are the recorded ones, 0 differ");
     }

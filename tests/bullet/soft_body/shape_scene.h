@@ -85,7 +85,7 @@ struct qcShapeScene : qcSoftWorld
     /// Watches the cloth and the triangles of the shape.
     void Watch(qcMotionOracle& oracle) const
     {
-        oracle.Add([this] { return qcSoupOf(cloth); });
+        oracle.Add([this] { return qcWorldMeshOf(cloth); });
         oracle.Add(model.model, body);
     }
 };

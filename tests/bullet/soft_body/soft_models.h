@@ -13,9 +13,9 @@
 // After the standard headers: check defines a macro named fail.
 #include "support/suite.h"
 
-inline qcSoup qcSoupOf(const btSoftBody* body)
+inline qcWorldMesh qcWorldMeshOf(const btSoftBody* body)
 {
-    qcSoup soup;
+    qcWorldMesh soup;
     for (int i = 0; i < body->m_nodes.size(); i++)
         soup.Add(body->m_nodes[i].m_x);
     for (int i = 0; i < body->m_faces.size(); i++)
@@ -51,9 +51,9 @@ inline btScalar qcLowestNode(const btSoftBody* body)
     return lowest;
 }
 
-inline qcSoup qcSoupOf(const qcMeshShape& mesh, const btTransform& transform)
+inline qcWorldMesh qcWorldMeshOf(const qcMeshShape& mesh, const btTransform& transform)
 {
-    qcSoup soup;
+    qcWorldMesh soup;
     for (uint32_t i = 0; i < mesh.getVertexCount(); i++)
         soup.Add(transform * mesh.getVertices()[i]);
     soup.indices.assign(mesh.getIndices(), mesh.getIndices() + 3 * size_t(mesh.getTriangleCount()));
@@ -61,12 +61,12 @@ inline qcSoup qcSoupOf(const qcMeshShape& mesh, const btTransform& transform)
 }
 
 /// Penetrating pairs, counted without the glue; `between`: only pairs of different soups.
-inline size_t qcCountPenetrating(const std::vector<qcSoup>& soups, bool between = false)
+inline size_t qcCountPenetrating(const std::vector<qcWorldMesh>& soups, bool between = false)
 {
     qcSceneDef sceneDef = qcDefaultSceneDef();
     qcScene* scene = nullptr;
     ck_assert_int_eq(qcScene_Create(&sceneDef, &scene), qc_statusOk);
-    for (const qcSoup& soup : soups)
+    for (const qcWorldMesh& soup : soups)
     {
         qcBodyDef def = qcBodyOf(soup);
         def.selfCollision = !between;
@@ -81,7 +81,7 @@ inline size_t qcCountPenetrating(const std::vector<qcSoup>& soups, bool between 
     return pairs;
 }
 
-inline void qcCorners(const qcSoup& soup, size_t triangle, double corners[3][3])
+inline void qcCorners(const qcWorldMesh& soup, size_t triangle, double corners[3][3])
 {
     for (size_t c = 0; c < 3; c++)
         std::copy_n(&soup.positions[3 * size_t(soup.indices[3 * triangle + c])], 3, corners[c]);
@@ -98,7 +98,7 @@ inline bool qcBoxesMeet(const double a[3][3], const double b[3][3])
     return true;
 }
 
-inline bool qcShareIndex(const qcSoup& soup, size_t a, size_t b)
+inline bool qcShareIndex(const qcWorldMesh& soup, size_t a, size_t b)
 {
     for (size_t i = 0; i < 9; i++)
         if (soup.indices[3 * a + i / 3] == soup.indices[3 * b + i % 3])
@@ -108,15 +108,15 @@ inline bool qcShareIndex(const qcSoup& soup, size_t a, size_t b)
 
 /// Penetrating pairs within the first soup, and between it and the others, in rational arithmetic, without
 /// the library.
-inline size_t qcCountPenetratingExactly(const std::vector<qcSoup>& soups)
+inline size_t qcCountPenetratingExactly(const std::vector<qcWorldMesh>& soups)
 {
     size_t count = 0;
-    const qcSoup& first = soups[0];
+    const qcWorldMesh& first = soups[0];
     for (size_t a = 0; a < first.indices.size() / 3; a++)
     {
         double cornersA[3][3], cornersB[3][3];
         qcCorners(first, a, cornersA);
-        for (const qcSoup& other : soups)
+        for (const qcWorldMesh& other : soups)
             for (size_t b = &other == &first ? a + 1 : 0; b < other.indices.size() / 3; b++)
             {
                 qcCorners(other, b, cornersB);

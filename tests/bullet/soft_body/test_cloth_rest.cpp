@@ -22,7 +22,7 @@ double SpeedBetween(const std::vector<float>& before, const std::vector<float>& 
 }
 
 /// Counted by a new scene, without the solver's state.
-size_t CountPenetrating(qcClothWorld& cloth)
+size_t CountPenetratingCloth(qcClothWorld& cloth)
 {
     qcSceneDef sceneDef = qcDefaultSceneDef();
     qcScene* scene;
@@ -63,7 +63,7 @@ START_TEST(a_cloth_over_a_table_comes_to_rest_without_a_penetrating_pair)
         // All ten rounds: planes don't hold layers apart by themselves. No step takes more than six.
         ck_assert_int_lt(statistics.rounds, 8);
         if (step % s_fallingStep == 0)
-            ck_assert_uint_eq(CountPenetrating(cloth), 0);
+            ck_assert_uint_eq(CountPenetratingCloth(cloth), 0);
         speed = SpeedBetween(before, cloth.Positions());
         falling = step == s_fallingStep ? speed : falling;
         contacts = statistics.contacts;

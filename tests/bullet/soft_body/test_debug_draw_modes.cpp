@@ -13,7 +13,7 @@
 
 namespace
 {
-const btVector3 s_red(1, 0, 0), s_orange(1, btScalar(0.55), 0), s_cyan(0, btScalar(0.8), 1);
+const btVector3 s_redLine(1, 0, 0), s_orange(1, btScalar(0.55), 0), s_cyan(0, btScalar(0.8), 1);
 
 size_t CountLines(const qcDebugRecorder& recorder, const btVector3& color)
 {
@@ -49,7 +49,7 @@ START_TEST(the_debug_drawing_of_an_application_shows_it_as_an_action)
         world.world.debugDrawWorld();
         ck_assert_uint_gt(recorder.triangles.size(), 0);
         for (const qcDebugRecorder::Triangle& triangle : recorder.triangles)
-            ck_assert(triangle.color == s_red);
+            ck_assert(triangle.color == s_redLine);
         ck_assert_int_eq(recorder.points.size(), qcContactsOf(world.dispatcher).points);
         ck_assert_uint_gt(CountLines(recorder, s_cyan), 0);
         world.world.removeAction(&drawing);

@@ -21,7 +21,7 @@
 
 namespace
 {
-constexpr btScalar s_step = btScalar(1.0 / 240);
+constexpr btScalar s_deformableStep = btScalar(1.0 / 240);
 
 /// A floor, and cloths of masses and springs. `DeformableWorld` is Bullet's world or ours.
 template <class DeformableWorld> struct World : qcDeformableTestWorld<DeformableWorld>
@@ -89,7 +89,7 @@ template <class DeformableWorld> struct World : qcDeformableTestWorld<Deformable
     void Step(int steps = 1)
     {
         for (int i = 0; i < steps; i++)
-            world->stepSimulation(s_step, 0);
+            world->stepSimulation(s_deformableStep, 0);
     }
 
     /// Steps in which nothing may penetrate.
@@ -103,11 +103,11 @@ template <class DeformableWorld> struct World : qcDeformableTestWorld<Deformable
         }
     }
 
-    std::vector<qcSoup> Soups() const
+    std::vector<qcWorldMesh> Soups() const
     {
-        std::vector<qcSoup> soups;
+        std::vector<qcWorldMesh> soups;
         for (const btSoftBody* cloth : cloths)
-            soups.push_back(qcSoupOf(cloth));
+            soups.push_back(qcWorldMeshOf(cloth));
         return soups;
     }
 };
@@ -208,9 +208,9 @@ START_TEST(sheets_fall_on_each_other_and_stay_apart)
     world.AddSheet(btScalar(0.06), btScalar(0.4), 8);
     world.AddSheet(btScalar(0.10), btScalar(0.9), 8);
     world.StepApart(180);
-    ck_assert_uint_eq(
-        qcCountPenetratingExactly({qcSoupOf(world.cloths[1]), qcSoupOf(world.cloths[0]), qcSoupOf(world.cloths[2])}),
-        0);
+    ck_assert_uint_eq(qcCountPenetratingExactly({qcWorldMeshOf(world.cloths[1]), qcWorldMeshOf(world.cloths[0]),
+                                                 qcWorldMeshOf(world.cloths[2])}),
+                      0);
     ck_assert(qcLowestNode(world.cloths[2]) > qcLowestNode(world.cloths[0]));
 }
 END_TEST
@@ -247,8 +247,8 @@ START_TEST(a_deformable_cloth_rests_on_a_mesh_and_pushes_one)
     ck_assert_int_gt(world.world->getStatistics().contacts, 50);
     // The die lies on the cloth, over the ball or where it slid to, and not inside.
     ck_assert(loose.getWorldTransform().getOrigin().y() > 0);
-    ck_assert_uint_eq(qcCountPenetratingExactly({qcSoupOf(cloth), qcSoupOf(*ball, fixed.getWorldTransform()),
-                                                 qcSoupOf(*dice, loose.getWorldTransform())}),
+    ck_assert_uint_eq(qcCountPenetratingExactly({qcWorldMeshOf(cloth), qcWorldMeshOf(*ball, fixed.getWorldTransform()),
+                                                 qcWorldMeshOf(*dice, loose.getWorldTransform())}),
                       0);
     world.world->removeRigidBody(&loose);
     world.world->removeRigidBody(&fixed);

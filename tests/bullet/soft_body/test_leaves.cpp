@@ -57,7 +57,7 @@ class Soup
     qcScene* m_scene;
 };
 
-size_t CountPenetrating(const qcLeavesWorld& world)
+size_t CountPenetratingLeaves(const qcLeavesWorld& world)
 {
     Soup soup;
     soup.Add(world.Tree());
@@ -151,7 +151,7 @@ START_TEST(leaves_fall_to_the_ground_without_a_penetrating_pair)
         // All ten rounds: planes don't hold leaves apart by themselves. No step takes more than four.
         ck_assert_int_lt(statistics.rounds, 7);
         if (step % 20 == 0)
-            ck_assert_uint_eq(CountPenetrating(world), 0);
+            ck_assert_uint_eq(CountPenetratingLeaves(world), 0);
         ck_assert_msg(world.Lowest() > 0, "step %d: a leaf is in the ground by %g m", step, -world.Lowest());
         contacts = std::max(contacts, statistics.contacts);
         energy = std::max(energy, world.KineticEnergy());

@@ -13,7 +13,7 @@
 
 namespace
 {
-using Positions = std::vector<btVector3>;
+using NodePositions = std::vector<btVector3>;
 
 struct Box
 {
@@ -30,7 +30,7 @@ bool Overlap(const Box& a, const Box& b)
 }
 
 /// A link as a triangle.
-std::array<double, 9> LinkOf(const Positions& positions, size_t link)
+std::array<double, 9> LinkOf(const NodePositions& positions, size_t link)
 {
     std::array<double, 9> corners;
     for (size_t i = 0; i < 9; i++)
@@ -39,16 +39,16 @@ std::array<double, 9> LinkOf(const Positions& positions, size_t link)
 }
 
 /// A chain of six nodes along `direction`, crooked by `noise`, far from the origin.
-Positions MakeChain(Random& random, const btVector3& direction, double noise)
+NodePositions MakeChain(Random& random, const btVector3& direction, double noise)
 {
-    Positions chain;
+    NodePositions chain;
     const btVector3 place = random.Vector(50);
     for (int i = 0; i < 6; i++)
         chain.push_back(place + direction * btScalar(i) + random.Vector(noise));
     return chain;
 }
 
-void CheckApart(const Positions& start, const Positions& end, btScalar distance)
+void CheckApart(const NodePositions& start, const NodePositions& end, btScalar distance)
 {
     double direction[3];
     for (size_t a = 0; a + 1 < end.size(); a++)
@@ -102,8 +102,8 @@ START_TEST(links_of_a_stretched_chain_are_apart_over_the_step)
         Random random(run);
         btVector3 direction = random.Vector(1);
         const double noise = double(random.Number(0, 0.6));
-        Positions start = MakeChain(random, direction + random.Vector(noise), noise),
-                  end = MakeChain(random, direction, noise);
+        NodePositions start = MakeChain(random, direction + random.Vector(noise), noise),
+                      end = MakeChain(random, direction, noise);
         btScalar distance = random.Number(0.05, 0.5);
         bool isStretched = qcIsStretchedChain(start, end, distance);
         found[isStretched]++;
@@ -116,7 +116,7 @@ END_TEST
 
 START_TEST(a_folded_loose_or_infinite_chain_is_not_stretched)
 {
-    Positions chain;
+    NodePositions chain;
     for (int i = 0; i < 5; i++)
         chain.emplace_back(btScalar(i), btScalar(0), btScalar(0));
     ck_assert(qcIsStretchedChain(chain, chain, btScalar(0.9)));
@@ -125,15 +125,15 @@ START_TEST(a_folded_loose_or_infinite_chain_is_not_stretched)
     for (size_t folded : {size_t(0), size_t(4)})
         for (bool atStart : {false, true})
         {
-            Positions other = chain;
+            NodePositions other = chain;
             other[folded] = btVector3(2, btScalar(0.01), 0);
             ck_assert(!qcIsStretchedChain(atStart ? other : chain, atStart ? chain : other, btScalar(0.1)));
         }
-    Positions infinite = chain;
+    NodePositions infinite = chain;
     infinite[2].setY(std::numeric_limits<btScalar>::quiet_NaN());
     ck_assert(!qcIsStretchedChain(chain, infinite, btScalar(0.1)) &&
               !qcIsStretchedChain(infinite, chain, btScalar(0.1)));
-    const Positions same(5, btVector3(1, 2, 3));
+    const NodePositions same(5, btVector3(1, 2, 3));
     ck_assert(!qcIsStretchedChain(same, same, 0));
     // Links of three nodes have a common one.
     ck_assert(qcIsStretchedChain({same[0], same[1], same[2]}, {same[0], same[1], same[2]}, btScalar(0.1)));
@@ -145,11 +145,11 @@ START_TEST(a_motion_box_holds_the_motion_and_its_reach)
     Random random(1);
     for (int i = 0; i < 200; i++)
     {
-        Positions start = MakeChain(random, random.Vector(1), 1), end = MakeChain(random, random.Vector(1), 1);
+        NodePositions start = MakeChain(random, random.Vector(1), 1), end = MakeChain(random, random.Vector(1), 1);
         const btScalar reach = random.Number(0, 1);
         btVector3 box[2];
         ck_assert(qcFindMotionBox(start, end, reach, box));
-        for (const Positions* nodes : {&start, &end})
+        for (const NodePositions* nodes : {&start, &end})
             for (const btVector3& node : *nodes)
                 for (int axis = 0; axis < 3; axis++)
                     ck_assert(double(box[0][axis]) <= double(node[axis]) - double(reach) &&

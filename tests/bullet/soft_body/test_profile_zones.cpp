@@ -167,7 +167,7 @@ START_TEST(zones_are_left_when_a_query_of_meshes_fails)
 }
 END_TEST
 
-btSoftBody* MakeCloth(btSoftBodyWorldInfo& info, btScalar height)
+btSoftBody* MakeZonesCloth(btSoftBodyWorldInfo& info, btScalar height)
 {
     btSoftBody* cloth =
         btSoftBodyHelpers::CreatePatch(info, btVector3(-1, height, -1), btVector3(1, height, -1),
@@ -195,7 +195,7 @@ START_TEST(soft_bodies_show_detection_and_response_in_rounds)
     auto mesh = qcFloorModel(2, 4).MakeShape();
     btRigidBody floor(0, nullptr, mesh.get());
     world.world.addRigidBody(&floor);
-    btSoftBody* cloth = MakeCloth(world.world.getWorldInfo(), btScalar(0.05));
+    btSoftBody* cloth = MakeZonesCloth(world.world.getWorldInfo(), btScalar(0.05));
     world.world.addSoftBody(cloth);
     {
         Recording recording;
@@ -226,7 +226,7 @@ START_TEST(the_deformable_world_shows_detection_and_response_in_rounds)
     auto mesh = qcFloorModel(2, 4).MakeShape();
     btRigidBody floor(0, nullptr, mesh.get());
     world.addRigidBody(&floor);
-    btSoftBody* cloth = MakeCloth(world.getWorldInfo(), btScalar(0.04));
+    btSoftBody* cloth = MakeZonesCloth(world.getWorldInfo(), btScalar(0.04));
     world.addSoftBody(cloth);
     btDeformableGravityForce gravity(world.getGravity());
     world.addForce(cloth, &gravity);

@@ -68,9 +68,9 @@ struct World : qcSoftWorld
 
 size_t CountPenetrating(const World& world)
 {
-    std::vector<qcSoup> soups;
+    std::vector<qcWorldMesh> soups;
     for (const btSoftBody* cloth : world.cloths)
-        soups.push_back(qcSoupOf(cloth));
+        soups.push_back(qcWorldMeshOf(cloth));
     return qcCountPenetrating(soups);
 }
 
@@ -388,7 +388,7 @@ END_TEST
 /// Manifolds whose end Bullet reported, and their bodies.
 std::vector<const void*> s_ended;
 
-void NoteEnded(btPersistentManifold* const& manifold)
+void NoteOneEnded(btPersistentManifold* const& manifold)
 {
     s_ended.push_back(manifold->getBody0());
 }
@@ -400,7 +400,7 @@ START_TEST(no_callback_reports_the_end_of_contacts_of_a_removed_body)
     for (int i = 0; i < 100 && world.softSolver.getStatistics().contacts == 0; i++)
         world.Step();
     ck_assert_int_gt(world.dispatcher.getNumManifolds(), 0);
-    gContactEndedCallback = NoteEnded;
+    gContactEndedCallback = NoteOneEnded;
     world.Step();
     ck_assert_int_gt(world.dispatcher.getNumManifolds(), 0);
     world.world.removeSoftBody(cloth);

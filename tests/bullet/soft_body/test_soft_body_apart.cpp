@@ -14,7 +14,7 @@
 
 namespace
 {
-constexpr btScalar s_step = btScalar(1.0 / 60);
+constexpr btScalar s_apartStep = btScalar(1.0 / 60);
 
 /// A world without gravity, whose cloths are 2500 and 900 nodes.
 struct FlyingWorld : qcSoftWorld
@@ -49,17 +49,17 @@ struct FlyingWorld : qcSoftWorld
 
     void Step()
     {
-        world.stepSimulation(s_step, 0);
+        world.stepSimulation(s_apartStep, 0);
         ck_assert_int_eq(softSolver.getStatistics().status, qc_statusOk);
     }
 };
 
-const double s_speeds[] = {5, 20, 50};
+const double s_apartSpeeds[] = {5, 20, 50};
 } // namespace
 
 START_TEST(cloths_thrown_at_each_other_keep_momentum_and_gain_no_energy)
 {
-    btScalar speed = btScalar(s_speeds[_i]);
+    btScalar speed = btScalar(s_apartSpeeds[_i]);
     FlyingWorld world;
     world.Add(1, 0, 0, 50);
     btSoftBody* thrown = world.Add(btScalar(0.6), btScalar(0.35), btScalar(0.5), 30);
@@ -234,11 +234,11 @@ START_TEST(a_corner_that_begins_below_a_mesh_does_not_take_the_rest_through)
     cloth->setTotalMass(1);
     cloth->m_cfg.piterations = 4;
     world.world.addSoftBody(cloth);
-    size_t start = qcCountPenetrating({qcSoupOf(cloth), qcSoupOf(*shape, floor.getWorldTransform())}, true);
+    size_t start = qcCountPenetrating({qcWorldMeshOf(cloth), qcWorldMeshOf(*shape, floor.getWorldTransform())}, true);
     ck_assert_uint_gt(start, 0);
     for (int step = 0; step < 120; step++)
     {
-        world.world.stepSimulation(s_step, 0);
+        world.world.stepSimulation(s_apartStep, 0);
         const qcSoftBodyStatistics& statistics = world.softSolver.getStatistics();
         ck_assert_int_eq(statistics.status, qc_statusOk);
         ck_assert_int_eq(statistics.unproven, 0);
@@ -280,7 +280,7 @@ START_TEST(a_cloth_crushed_between_two_meshes_is_reported_and_not_thrown_away)
     {
         // The lower edge of the press reaches the floor at 20 cm, and goes through it.
         movePress(70 - step);
-        world.world.stepSimulation(s_step, 0);
+        world.world.stepSimulation(s_apartStep, 0);
         const qcSoftBodyStatistics& statistics = world.softSolver.getStatistics();
         ck_assert_int_eq(statistics.status, qc_statusOk);
         ck_assert_int_le(statistics.remaining, statistics.exempt + statistics.unproven);
@@ -297,7 +297,7 @@ START_TEST(a_cloth_crushed_between_two_meshes_is_reported_and_not_thrown_away)
 }
 END_TEST
 
-static int RunAll()
+QC_TEST_MAIN()
 {
     Suite* suite = suite_create("soft bodies apart");
     TCase* tests = tcase_create("apart");
@@ -314,9 +314,4 @@ static int RunAll()
     tcase_add_test(tests, a_cloth_crushed_between_two_meshes_is_reported_and_not_thrown_away);
     suite_add_tcase(suite, tests);
     return qcRunSuite(suite);
-}
-
-int main()
-{
-    return RunAll();
 }

@@ -112,7 +112,7 @@ struct BetweenWorld
         }
         else
             static_cast<btSoftRigidDynamicsWorld*>(world.get())->addSoftBody(cloth);
-        oracle.Add([this] { return qcSoupOf(cloth); });
+        oracle.Add([this] { return qcWorldMeshOf(cloth); });
     }
 
     btRigidBody* AddMesh(const qcModel& model, const btTransform& at, btScalar mass, btScalar speed)
@@ -128,7 +128,7 @@ struct BetweenWorld
         world->addRigidBody(bodies.back().get());
         const qcMeshShape* shape = shapes.back().get();
         const btRigidBody* body = bodies.back().get();
-        oracle.Add([shape, body] { return qcSoupOf(*shape, body->getWorldTransform()); });
+        oracle.Add([shape, body] { return qcWorldMeshOf(*shape, body->getWorldTransform()); });
         return bodies.back().get();
     }
 
@@ -268,7 +268,7 @@ START_TEST(pieces_that_lie_close_do_not_pass_the_cloth_on_which_they_fall)
 }
 END_TEST
 
-int main()
+QC_TEST_MAIN()
 {
     Suite* suite = suite_create("between meshes");
     TCase* tests = tcase_create("between");

@@ -90,17 +90,17 @@ void Hush()
 }
 
 /// A square plate of two triangles under cloths.
-struct World : qcSoftWorld
+struct CallbackWorld : qcSoftWorld
 {
     std::unique_ptr<qcMeshShape> shape = qcFloorModel(2, 1).MakeShape();
     std::unique_ptr<btRigidBody> plate;
 
-    World()
+    CallbackWorld()
     {
         Listen();
     }
 
-    ~World()
+    ~CallbackWorld()
     {
         while (!cloths.empty())
             RemoveCloth();
@@ -154,7 +154,7 @@ struct World : qcSoftWorld
 
 START_TEST(a_contact_of_a_cloth_with_a_mesh_starts_once_and_ends_once)
 {
-    World world;
+    CallbackWorld world;
     world.AddPlate(0);
     const btSoftBody* cloth = world.AddCloth(btScalar(0.1));
     for (size_t times = 1; times <= 3; times++)
@@ -177,7 +177,7 @@ END_TEST
 
 START_TEST(contacts_of_two_cloths_start_and_end_alternately_with_the_older_one_first)
 {
-    World world;
+    CallbackWorld world;
     const btSoftBody *lower = world.AddCloth(0, 1 + 2 + 4 + 8), *upper = world.AddCloth(btScalar(0.1));
     qcSoftBodySettings settings;
     settings.selfCollision = false;
@@ -218,7 +218,7 @@ START_TEST(each_point_is_reported_in_each_step_and_its_user_data_released)
 {
     size_t all = 0;
     {
-        World world;
+        CallbackWorld world;
         world.AddPlate(0);
         const btSoftBody* cloth = world.AddCloth(btScalar(0.1));
         for (int i = 0; i < 60; i++)
@@ -244,7 +244,7 @@ END_TEST
 
 START_TEST(sleeping_bodies_stay_in_contact)
 {
-    World world;
+    CallbackWorld world;
     world.AddPlate(0);
     btSoftBody* cloth = world.AddCloth(btScalar(0.1));
     world.Step(60);
@@ -269,7 +269,7 @@ START_TEST(sleeping_bodies_stay_in_contact)
 END_TEST
 
 /// Two cloths beside each other that land on the plate in the same step.
-struct Twins : World
+struct Twins : CallbackWorld
 {
     Twins()
     {
@@ -350,7 +350,7 @@ END_TEST
 
 START_TEST(bodies_may_be_added_in_callbacks)
 {
-    World world;
+    CallbackWorld world;
     world.AddPlate(0);
     world.AddCloth(btScalar(0.1));
     s_afterwards = [&]
@@ -367,7 +367,7 @@ END_TEST
 
 START_TEST(no_callback_reports_the_end_of_a_contact_with_a_removed_mesh)
 {
-    World world;
+    CallbackWorld world;
     world.AddCloth(btScalar(0.1));
     world.AddPlate(0);
     world.Step(40);
@@ -385,7 +385,7 @@ END_TEST
 
 START_TEST(no_callback_reports_the_end_of_contacts_of_a_removed_cloth)
 {
-    World world;
+    CallbackWorld world;
     world.AddCloth(0, 1 + 2 + 4 + 8);
     world.AddCloth(btScalar(0.1));
     world.AddPlate(btScalar(-0.3));
@@ -400,7 +400,7 @@ END_TEST
 
 START_TEST(no_callback_reports_a_plate_removed_in_the_step_that_ends_its_contact)
 {
-    World world;
+    CallbackWorld world;
     world.AddCloth(btScalar(0.1));
     world.AddPlate(0);
     world.Step(40);

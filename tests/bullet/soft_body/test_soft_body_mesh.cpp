@@ -18,18 +18,18 @@
 
 namespace
 {
-constexpr btScalar s_step = btScalar(1.0 / 120);
+constexpr btScalar s_shortStep = btScalar(1.0 / 120);
 
 /// A world of meshes and at most one cloth.
-struct World : qcSoftWorld
+struct ClothOverMesh : qcSoftWorld
 {
     btSoftBody* cloth = nullptr;
 
-    explicit World(bool isPlain = false) : qcSoftWorld(nullptr, isPlain)
+    explicit ClothOverMesh(bool isPlain = false) : qcSoftWorld(nullptr, isPlain)
     {
     }
 
-    ~World()
+    ~ClothOverMesh()
     {
         RemoveCloth();
     }
@@ -56,13 +56,13 @@ struct World : qcSoftWorld
         cloths.push_back(cloth);
     }
 
-    void Step(btScalar timeStep = s_step)
+    void Step(btScalar timeStep = s_shortStep)
     {
         world.stepSimulation(timeStep, 0);
     }
 
     /// Steps in which nothing may penetrate.
-    void StepApart(int steps, btScalar timeStep = s_step)
+    void StepApart(int steps, btScalar timeStep = s_shortStep)
     {
         for (int i = 0; i < steps; i++)
         {
@@ -73,12 +73,12 @@ struct World : qcSoftWorld
     }
 
     /// The cloth, and the meshes of all bodies.
-    std::vector<qcSoup> Soups() const
+    std::vector<qcWorldMesh> Soups() const
     {
-        std::vector<qcSoup> soups{qcSoupOf(cloth)};
+        std::vector<qcWorldMesh> soups{qcWorldMeshOf(cloth)};
         for (const auto& body : bodies)
             if (const auto* mesh = dynamic_cast<const qcMeshShape*>(body->getCollisionShape()))
-                soups.push_back(qcSoupOf(*mesh, body->getWorldTransform()));
+                soups.push_back(qcWorldMeshOf(*mesh, body->getWorldTransform()));
         return soups;
     }
 };
@@ -97,7 +97,7 @@ qcModel HillModel(int n)
 
 START_TEST(a_cloth_comes_to_rest_on_a_mesh_without_penetrating)
 {
-    World world;
+    ClothOverMesh world;
     qcMeshShape* hill = world.KeepMesh(HillModel(30));
     btRigidBody* body = world.AddBody(hill, 0, btVector3(0, 0, 0));
     world.AddCloth(btScalar(0.6), 14);
@@ -122,7 +122,7 @@ END_TEST
 /// 14 m/s, 23 cm a step.
 START_TEST(a_cloth_that_falls_from_ten_metres_is_held_by_a_floor_of_triangles)
 {
-    World world;
+    ClothOverMesh world;
     world.AddBody(world.KeepMesh(qcFloorModel(2, 8)), 0, btVector3(0, 0, 0));
     world.AddCloth(10, 10);
     int swept = 0;
@@ -141,7 +141,7 @@ END_TEST
 /// prisms of neighbours push it on. No qcSoftBodySolver, no contact of ours.
 START_TEST(bullets_own_algorithm_lets_a_cloth_fall_through_a_fine_mesh)
 {
-    World world(true);
+    ClothOverMesh world(true);
     world.AddBody(world.KeepMesh(HillModel(40)), 0, btVector3(0, 0, 0));
     world.AddCloth(btScalar(0.6), 24);
     for (int i = 0; i < 120; i++)
@@ -153,7 +153,7 @@ END_TEST
 
 START_TEST(bullet_makes_no_contact_of_its_own)
 {
-    World world;
+    ClothOverMesh world;
     world.AddBody(world.KeepMesh(HillModel(12)), 0, btVector3(0, 0, 0));
     world.AddCloth(btScalar(0.45), 8);
     for (int i = 0; i < 60; i++)
@@ -168,7 +168,7 @@ END_TEST
 
 START_TEST(other_triangle_meshes_stay_bullets_by_a_setting)
 {
-    World world;
+    ClothOverMesh world;
     qcModel model = qcFloorModel(2, 4);
     std::unique_ptr<btTriangleIndexVertexArray> triangles = model.MakeInterface();
     btBvhTriangleMeshShape shape(triangles.get(), true);
@@ -194,7 +194,7 @@ END_TEST
 
 START_TEST(momentum_is_kept_between_a_cloth_and_a_free_mesh)
 {
-    World world;
+    ClothOverMesh world;
     world.SetGravity(btVector3(0, 0, 0));
     qcMeshShape* ball = world.KeepMesh(qcSphereModel(0.2, 2));
     btRigidBody* body = world.AddBody(ball, 2, btVector3(btScalar(0.1), btScalar(-0.3), btScalar(0.05)));
@@ -215,7 +215,7 @@ END_TEST
 
 START_TEST(a_cloth_that_is_held_at_its_corners_catches_a_mesh)
 {
-    World world;
+    ClothOverMesh world;
     btRigidBody* body = world.AddBody(world.KeepMesh(qcSphereModel(0.15, 2)), btScalar(0.3),
                                       btVector3(0, btScalar(0.4), btScalar(0.02)));
     world.AddCloth(0, 16, 1 + 2 + 4 + 8);
@@ -232,7 +232,7 @@ END_TEST
 /// library's act independently of each other: the cloth is squeezed, but not cut.
 START_TEST(a_cloth_under_a_pile_of_meshes_is_never_penetrated)
 {
-    World world;
+    ClothOverMesh world;
     world.meshContact.addTo(&world.world);
     world.meshContact.setThreadCount(1);
     world.AddBody(world.KeepMesh(qcFloorModel(2, 8)), 0, btVector3(0, 0, 0));
@@ -260,7 +260,7 @@ END_TEST
 
 START_TEST(a_kinematic_mesh_lifts_a_cloth)
 {
-    World world;
+    ClothOverMesh world;
     btRigidBody* lift = world.AddBody(world.KeepMesh(qcFloorModel(1, 6)), 0, btVector3(0, 0, 0));
     lift->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
     lift->setActivationState(DISABLE_DEACTIVATION);
@@ -283,7 +283,7 @@ END_TEST
 /// A dumbbell of two meshes, one of them turned.
 START_TEST(meshes_in_a_compound_hold_a_cloth)
 {
-    World world;
+    ClothOverMesh world;
     std::unique_ptr<btCompoundShape> compound(new btCompoundShape);
     compound->addChildShape(btTransform(btQuaternion(btVector3(0, 1, 0), 1), btVector3(btScalar(-0.3), 0, 0)),
                             world.KeepMesh(qcSphereModel(0.15, 1)));
@@ -305,7 +305,7 @@ START_TEST(pairs_that_bullet_filters_out_have_no_contact)
 {
     for (int kind = 0; kind < 4; kind++)
     {
-        World world;
+        ClothOverMesh world;
         btRigidBody* body = world.AddBody(world.KeepMesh(qcFloorModel(1, 4)), 0, btVector3(0, 0, 0));
         world.AddCloth(btScalar(0.05), 6);
         if (kind == 0)
@@ -328,7 +328,7 @@ END_TEST
 
 START_TEST(contacts_with_a_mesh_stand_in_manifolds)
 {
-    World world;
+    ClothOverMesh world;
     btRigidBody* body = world.AddBody(world.KeepMesh(qcFloorModel(1, 4)), 0, btVector3(0, 0, 0));
     world.AddCloth(btScalar(0.02), 6);
     int seen = 0;
@@ -356,7 +356,7 @@ END_TEST
 
 START_TEST(a_mesh_that_sleeps_is_woken_and_moves)
 {
-    World world;
+    ClothOverMesh world;
     world.SetGravity(btVector3(0, 0, 0));
     btRigidBody* body = world.AddBody(world.KeepMesh(qcSphereModel(0.2, 1)), 1, btVector3(0, 0, 0));
     body->forceActivationState(ISLAND_SLEEPING);
@@ -372,7 +372,7 @@ END_TEST
 
 START_TEST(a_transform_that_is_not_finite_is_refused_and_bullets_positions_remain)
 {
-    World world;
+    ClothOverMesh world;
     btRigidBody* body = world.AddBody(world.KeepMesh(qcFloorModel(1, 4)), 0, btVector3(0, 0, 0));
     world.AddCloth(btScalar(0.02), 6);
     world.StepApart(10);
@@ -392,7 +392,7 @@ END_TEST
 
 START_TEST(meshes_may_change_and_be_removed_between_two_steps)
 {
-    World world;
+    ClothOverMesh world;
     qcMeshShape* mesh = world.KeepMesh(qcFloorModel(1, 4));
     btRigidBody* body = world.AddBody(mesh, 0, btVector3(0, 0, 0));
     world.AddCloth(btScalar(0.03), 6);
@@ -413,7 +413,7 @@ END_TEST
 /// A cloth in the plane of a floor that starts at height 0 of a frame.
 static void CheckStaysOn(btCollisionShape* shape, btScalar height, const btTransform& frame)
 {
-    World world;
+    ClothOverMesh world;
     world.AddCloth(0, 10);
     world.cloth->transform(frame);
     btRigidBody* floor = world.AddBody(shape, 0, btVector3(0, 0, 0));
@@ -447,7 +447,7 @@ START_TEST(a_cloth_falls_in_the_step_in_which_its_floor_stops_holding_it)
     std::unique_ptr<qcMeshShape> mesh = qcFloorModel(2, 8).MakeShape();
     for (int way = 0; way < 3; way++)
     {
-        World world;
+        ClothOverMesh world;
         world.AddCloth(btScalar(0.1), 10);
         btRigidBody* floor = world.AddBody(mesh.get(), 0, btVector3(0, 0, 0));
         world.StepApart(60);
@@ -470,7 +470,7 @@ START_TEST(two_runs_agree_bit_by_bit)
     std::vector<btVector3> expected;
     for (int run = 0; run < 2; run++)
     {
-        World world;
+        ClothOverMesh world;
         world.AddBody(world.KeepMesh(HillModel(10)), 0, btVector3(0, 0, 0));
         world.AddBody(world.KeepMesh(qcSphereModel(0.1, 1)), btScalar(0.2), btVector3(0, btScalar(0.8), 0));
         world.AddBody(world.KeepMesh(qcSphereModel(0.1, 1)), btScalar(0.2), btVector3(btScalar(0.25), 1, 0));

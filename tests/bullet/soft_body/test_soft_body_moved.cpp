@@ -12,7 +12,7 @@
 
 namespace
 {
-constexpr btScalar s_step = btScalar(1.0 / 60);
+constexpr btScalar s_movedStep = btScalar(1.0 / 60);
 
 btTransform At(btScalar y)
 {
@@ -67,8 +67,8 @@ struct MovedWorld : qcSoftWorld
             world.addRigidBody(body);
         else
             world.addCollisionObject(object.get());
-        oracle.Add([this] { return qcSoupOf(cloth); });
-        oracle.Add([this] { return qcSoupOf(*shape, object->getWorldTransform()); });
+        oracle.Add([this] { return qcWorldMeshOf(cloth); });
+        oracle.Add([this] { return qcWorldMeshOf(*shape, object->getWorldTransform()); });
     }
 
     ~MovedWorld()
@@ -91,7 +91,7 @@ struct MovedWorld : qcSoftWorld
 
     void Step()
     {
-        world.stepSimulation(s_step, 0);
+        world.stepSimulation(s_movedStep, 0);
         ck_assert_int_eq(softSolver.getStatistics().status, qc_statusOk);
     }
 
@@ -149,7 +149,7 @@ START_TEST(a_motion_in_several_substeps_does_not_jump_over_the_cloth)
     world.oracle.Count();
     // Bullet moves the plate in the first of three substeps, with the velocity of a third of the motion.
     world.Move(-2);
-    world.world.stepSimulation(3 * s_step, 3, s_step);
+    world.world.stepSimulation(3 * s_movedStep, 3, s_movedStep);
     ck_assert_double_lt(double(world.Height()), -2);
 }
 END_TEST
@@ -216,13 +216,13 @@ START_TEST(a_cloth_at_rest_that_the_application_moves_stays_at_rest)
     world.world.addSoftBody(cloth);
     world.cloths.push_back(cloth);
     for (int step = 0; step < 60; step++)
-        world.world.stepSimulation(s_step, 0);
+        world.world.stepSimulation(s_movedStep, 0);
     // Along the floor, and into it.
     for (const btVector3& by : {btVector3(btScalar(0.3), 0, 0), btVector3(0, btScalar(-0.3), 0)})
     {
         cloth->translate(by);
         for (int step = 0; step < 5; step++)
-            world.world.stepSimulation(s_step, 0);
+            world.world.stepSimulation(s_movedStep, 0);
         ck_assert_double_lt(double(qcSpeedOf(cloth)), 0.01);
         ck_assert_double_gt(double(qcLowestNode(cloth)), 0);
     }
@@ -251,17 +251,17 @@ START_TEST(a_body_that_the_tick_callback_removes_holds_nothing)
     world.world.addSoftBody(cloth);
     world.cloths.push_back(cloth);
     for (int step = 0; step < 40; step++)
-        world.world.stepSimulation(s_step, 0);
+        world.world.stepSimulation(s_movedStep, 0);
     ck_assert_int_gt(world.softSolver.getStatistics().contacts, 0);
     world.world.setInternalTickCallback(Remove, body);
-    world.world.stepSimulation(s_step, 0);
+    world.world.stepSimulation(s_movedStep, 0);
     // A removed body may be deleted, too.
     for (int i = 0; i < cloth->m_nodes.size(); i++)
         ck_assert_double_lt(double(cloth->m_nodes[i].m_x.y()), 0.2);
 }
 END_TEST
 
-int main()
+QC_TEST_MAIN()
 {
     Suite* suite = suite_create("moved objects");
     TCase* tests = tcase_create("moved");

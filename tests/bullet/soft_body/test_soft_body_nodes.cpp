@@ -14,18 +14,18 @@
 namespace
 {
 /// A floor of triangles at height 0, with a margin of 1 cm.
-struct World : qcSoftWorld
+struct NodesWorld : qcSoftWorld
 {
     std::unique_ptr<qcMeshShape> shape = qcFloorModel(4, 8).MakeShape();
     btRigidBody floor{0, nullptr, shape.get()};
     btSoftBody* body = nullptr;
 
-    World()
+    NodesWorld()
     {
         world.addRigidBody(&floor);
     }
 
-    ~World()
+    ~NodesWorld()
     {
         world.removeSoftBody(body);
         delete body;
@@ -53,7 +53,7 @@ struct World : qcSoftWorld
 
 START_TEST(a_rope_lies_on_a_mesh)
 {
-    World world;
+    NodesWorld world;
     world.Add(btSoftBodyHelpers::CreateRope(world.world.getWorldInfo(), btVector3(-1, btScalar(0.5), 0),
                                             btVector3(1, btScalar(0.6), 0), 20, 0));
     world.Step(240);
@@ -99,7 +99,7 @@ START_TEST(tetrahedra_lie_on_a_mesh_with_faces_and_without)
 {
     for (bool faces : {false, true})
     {
-        World world;
+        NodesWorld world;
         world.Add(MakeTetrahedra(world.world.getWorldInfo(), faces));
         world.Step(240);
         ck_assert_double_lt(double(qcLowestNode(world.body)), 0.2);
@@ -110,7 +110,7 @@ END_TEST
 
 START_TEST(a_cloth_that_is_cut_and_loses_its_faces_stays_above_a_mesh)
 {
-    World world;
+    NodesWorld world;
     const btVector3 corner(-1, btScalar(0.3), -1), x(2, 0, 0), z(0, 0, 2);
     world.Add(btSoftBodyHelpers::CreatePatch(world.world.getWorldInfo(), corner, corner + x, corner + z, corner + x + z,
                                              16, 16, 0, true));

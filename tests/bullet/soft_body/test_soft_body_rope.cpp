@@ -18,12 +18,12 @@
 
 namespace
 {
-constexpr btScalar s_step = btScalar(1.0 / 60);
+constexpr btScalar s_ropeStep = btScalar(1.0 / 60);
 
 /// Each link as a segment.
-qcSoup SegmentsOf(const btSoftBody* body)
+qcWorldMesh SegmentsOf(const btSoftBody* body)
 {
-    qcSoup soup;
+    qcWorldMesh soup;
     for (int i = 0; i < body->m_nodes.size(); i++)
         soup.Add(body->m_nodes[i].m_x);
     for (int i = 0; i < body->m_links.size(); i++)
@@ -38,7 +38,7 @@ qcSoup SegmentsOf(const btSoftBody* body)
 size_t CountThrough(const btSoftBody* rope, const btRigidBody& body)
 {
     const auto& mesh = static_cast<const qcMeshShape&>(*body.getCollisionShape());
-    const qcSoup soup = qcSoupOf(mesh, body.getWorldTransform());
+    const qcWorldMesh soup = qcWorldMeshOf(mesh, body.getWorldTransform());
     size_t within = qcCountPenetratingExactly({SegmentsOf(rope)});
     return qcCountPenetratingExactly({SegmentsOf(rope), soup}) - within;
 }
@@ -62,7 +62,7 @@ btScalar EnergyOf(const btSoftBody* rope, const btRigidBody& body, const btVecto
 }
 
 /// A world of ropes, cloths and meshes.
-struct World : qcSoftWorld
+struct RopeWorld : qcSoftWorld
 {
     /// `fixed`: +1 and +2 for its ends.
     btSoftBody* AddRope(const btVector3& from, const btVector3& to, int nodes, int fixed = 0)
@@ -79,7 +79,7 @@ struct World : qcSoftWorld
         return body;
     }
 
-    void StepApart(int steps, btScalar timeStep = s_step)
+    void StepApart(int steps, btScalar timeStep = s_ropeStep)
     {
         for (int i = 0; i < steps; i++)
         {
@@ -98,7 +98,7 @@ void CheckStaysDraped(const qcRopeSceneDef& def)
     btScalar before = EnergyOf(scene.rope, *scene.cylinder, gravity), largest = before;
     for (int i = 0; i < 600; i++)
     {
-        scene.Step(s_step);
+        scene.Step(s_ropeStep);
         ck_assert_int_eq(scene.quick.getStatistics().status, qc_statusOk);
         ck_assert_int_eq(scene.quick.getStatistics().remaining, 0);
         if (i % 10 == 0)
@@ -168,7 +168,7 @@ START_TEST(a_rope_stays_where_it_creeps_with_bullets_own_solver)
                 qcRopeScene scene(def);
                 int step = 0;
                 for (; step < 1200 && scene.Measure().highest > 0; step++)
-                    scene.Step(s_step);
+                    scene.Step(s_ropeStep);
                 qcRopeMeasure measure = scene.Measure();
                 std::string fate = step < 1200 ? "fell off after " + std::to_string(step / 60) + " s" : "hangs";
                 std::printf(
@@ -198,7 +198,7 @@ START_TEST(a_link_is_caught_by_a_pole_between_its_nodes)
             qcRopeScene scene(def);
             for (int i = 0; i < 240; i++)
             {
-                scene.Step(s_step);
+                scene.Step(s_ropeStep);
                 ck_assert_int_eq(scene.quick.getStatistics().remaining, 0);
                 ck_assert_double_gt(double(scene.Measure().highest), 0);
             }
@@ -210,7 +210,7 @@ END_TEST
 /// A ring around a rope that is held at its ends: each link is a bar to it.
 START_TEST(a_ring_hangs_on_a_rope)
 {
-    World world;
+    RopeWorld world;
     qcModel ring = qcTorusModel(0.1, 0.02, 16, 8);
     ring.Move(btTransform(btQuaternion(btVector3(0, 0, 1), SIMD_HALF_PI)));
     btRigidBody* body = world.AddMesh(ring, btScalar(0.2), btVector3(btScalar(0.01), 0, 0));
@@ -229,7 +229,7 @@ END_TEST
 
 START_TEST(momentum_is_kept_between_a_rope_and_a_free_mesh)
 {
-    World world;
+    RopeWorld world;
     world.SetGravity(btVector3(0, 0, 0));
     btRigidBody* body = world.AddMesh(qcBoxModel(btVector3(btScalar(0.05), btScalar(0.05), btScalar(0.5)), 2),
                                       btScalar(0.5), btVector3(btScalar(0.02), 0, 0));
@@ -251,7 +251,7 @@ END_TEST
 
 START_TEST(a_kinematic_pole_lifts_a_rope)
 {
-    World world;
+    RopeWorld world;
     btRigidBody* pole = world.AddMesh(qcBoxModel(btVector3(btScalar(0.02), btScalar(0.02), btScalar(0.5)), 1), 0,
                                       btVector3(btScalar(0.025), btScalar(-0.2), 0));
     pole->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
@@ -278,7 +278,7 @@ START_TEST(bending_links_and_braces_do_not_push)
 {
     for (int kind = 0; kind < 3; kind++)
     {
-        World world;
+        RopeWorld world;
         world.SetGravity(btVector3(0, 0, 0));
         btSoftBody* body;
         if (kind < 2)
@@ -320,7 +320,7 @@ END_TEST
 /// Links that are added or removed later take effect from the next step on.
 START_TEST(links_may_be_added_and_removed_between_two_steps)
 {
-    World world;
+    RopeWorld world;
     world.AddMesh(qcBoxModel(btVector3(btScalar(0.004), btScalar(0.004), btScalar(0.5)), 1), 0, btVector3(0, 0, 0));
     for (bool linked : {false, true})
     {
@@ -345,7 +345,7 @@ START_TEST(a_rope_lies_on_a_rope_and_on_a_cloth)
 {
     for (bool onCloth : {false, true})
     {
-        World world;
+        RopeWorld world;
         btSoftBody* held;
         if (onCloth)
             held = world.Add(btSoftBodyHelpers::CreatePatch(
@@ -398,7 +398,7 @@ START_TEST(a_rope_of_springs_stays_draped_and_is_caught_by_a_pole)
         world.addForce(rope, &gravity);
         for (int i = 0; i < 300; i++)
         {
-            world.stepSimulation(s_step, 0);
+            world.stepSimulation(s_ropeStep, 0);
             ck_assert_int_eq(world.getStatistics().status, qc_statusOk);
             ck_assert_int_eq(world.getStatistics().remaining, 0);
             if (i % 10 == 0)

@@ -16,7 +16,7 @@ using Positions = std::vector<btVector3>;
 /// Three consecutive nodes a triangle: none shares one.
 constexpr size_t s_triangles = 5;
 
-std::array<double, 9> CornersOf(const Positions& positions, size_t triangle)
+std::array<double, 9> CornersAt(const Positions& positions, size_t triangle)
 {
     std::array<double, 9> corners;
     for (size_t i = 0; i < 9; i++)
@@ -55,7 +55,7 @@ bool AreNear(const Body& a, const Body& b)
     for (size_t i = 0; i < s_triangles; i++)
         for (size_t k = 0; k < s_triangles; k++)
             if ((&a != &b || i != k) &&
-                qcTrianglesWithin(CornersOf(a.recorded, i).data(), CornersOf(b.recorded, k).data(), margin, nullptr))
+                qcTrianglesWithin(CornersAt(a.recorded, i).data(), CornersAt(b.recorded, k).data(), margin, nullptr))
                 return true;
     return false;
 }
@@ -66,8 +66,8 @@ void CheckCertificates(const Body& a, const Body& b)
     for (size_t i = 0; i < s_triangles; i++)
         for (size_t k = 0; k < s_triangles; k++)
             if (&a != &b || i != k)
-                ck_assert(qcTrianglesStayApart(CornersOf(a.start, i).data(), CornersOf(a.end, i).data(),
-                                               CornersOf(b.start, k).data(), CornersOf(b.end, k).data(), direction));
+                ck_assert(qcTrianglesStayApart(CornersAt(a.start, i).data(), CornersAt(a.end, i).data(),
+                                               CornersAt(b.start, k).data(), CornersAt(b.end, k).data(), direction));
 }
 
 void Record(qcSoftClearance& clearance, const Body* bodies, size_t count, const std::vector<qcContact>& contacts)

@@ -85,7 +85,7 @@ START_TEST(thrown_cloth_passes_no_shape_in_the_deformable_world)
     test.cloths.push_back(cloth);
     cloth->setVelocity(btVector3(0, -20, 0));
     qcMotionOracle oracle;
-    oracle.Add([cloth] { return qcSoupOf(cloth); });
+    oracle.Add([cloth] { return qcWorldMeshOf(cloth); });
     oracle.Add(model.model, &body);
     int contacts = 0;
     for (int step = 0; step < 15; step++)
@@ -473,7 +473,7 @@ START_TEST(two_runs_agree_bit_by_bit_for_any_number_of_threads)
 }
 END_TEST
 
-static int RunAll()
+QC_TEST_MAIN()
 {
     Suite* suite = suite_create("soft shapes");
     TCase* tests = tcase_create("shapes");
@@ -498,9 +498,4 @@ static int RunAll()
     tcase_add_test(tests, two_runs_agree_bit_by_bit_for_any_number_of_threads);
     suite_add_tcase(suite, tests);
     return qcRunSuite(suite);
-}
-
-int main()
-{
-    return RunAll();
 }

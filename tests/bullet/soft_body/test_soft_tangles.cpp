@@ -16,21 +16,21 @@ const int s_sceneCount = int(sizeof(qcTangledScenes) / sizeof(qcTangledScenes[0]
 using Key = std::array<uint32_t, 3>; ///< body, triangle or vertex, other body
 using Pair = std::array<uint32_t, 4>;
 
-std::vector<qcSoup> SoupsOf(const qcTangledWorld& world)
+std::vector<qcWorldMesh> SoupsOf(const qcTangledWorld& world)
 {
-    std::vector<qcSoup> soups;
+    std::vector<qcWorldMesh> soups;
     for (const btSoftBody* cloth : world.cloths)
-        soups.push_back(qcSoupOf(cloth));
+        soups.push_back(qcWorldMeshOf(cloth));
     return soups;
 }
 
 /// Penetrating pairs in and among the soft bodies, found without the glue.
-std::set<Pair> FindPenetrating(const std::vector<qcSoup>& soups)
+std::set<Pair> FindPenetrating(const std::vector<qcWorldMesh>& soups)
 {
     qcSceneDef sceneDef = qcDefaultSceneDef();
     qcScene* scene = nullptr;
     ck_assert_int_eq(qcScene_Create(&sceneDef, &scene), qc_statusOk);
-    for (const qcSoup& soup : soups)
+    for (const qcWorldMesh& soup : soups)
     {
         qcBodyDef def = qcBodyOf(soup);
         def.selfCollision = true;
@@ -49,20 +49,20 @@ std::set<Pair> FindPenetrating(const std::vector<qcSoup>& soups)
     return pairs;
 }
 
-size_t CountPenetrating(const qcTangledWorld& world)
+size_t CountTangled(const qcTangledWorld& world)
 {
-    std::vector<qcSoup> soups = SoupsOf(world);
+    std::vector<qcWorldMesh> soups = SoupsOf(world);
     size_t count = FindPenetrating(soups).size();
     for (const auto& body : world.bodies)
-        for (const qcSoup& soup : SoupsOf(world))
+        for (const qcWorldMesh& soup : SoupsOf(world))
             count += qcCountPenetrating(
-                {soup, qcSoupOf(*static_cast<qcMeshShape*>(body->getCollisionShape()), body->getWorldTransform())},
+                {soup, qcWorldMeshOf(*static_cast<qcMeshShape*>(body->getCollisionShape()), body->getWorldTransform())},
                 true);
     return count;
 }
 
 /// The pairs that began to penetrate away from all pairs that did before.
-size_t CountPassed(const std::vector<qcSoup>& soups, const std::set<Pair>& before, const std::set<Pair>& after)
+size_t CountPassed(const std::vector<qcWorldMesh>& soups, const std::set<Pair>& before, const std::set<Pair>& after)
 {
     std::set<Key> tangled;
     auto add = [&](uint32_t body, uint32_t triangle, uint32_t other)
@@ -102,7 +102,7 @@ void CheckStep(const qcTangledWorld& world)
     ck_assert_int_eq(statistics.status, qc_statusOk);
     ck_assert_int_eq(statistics.unproven, 0);
     ck_assert_int_eq(statistics.remaining, statistics.exempt);
-    ck_assert_uint_eq(size_t(statistics.remaining), CountPenetrating(world));
+    ck_assert_uint_eq(size_t(statistics.remaining), CountTangled(world));
 }
 } // namespace
 
@@ -111,7 +111,7 @@ START_TEST(what_starts_tangled_comes_apart_and_is_not_thrown)
     const qcTangledSceneDef& def = qcTangledScenes[_i];
     qcTangledWorld world(def.gravity);
     def.make(&world);
-    ck_assert_uint_gt(CountPenetrating(world), 20);
+    ck_assert_uint_gt(CountTangled(world), 20);
     for (int step = 1; step <= def.steps; step++)
     {
         world.Step();
@@ -124,7 +124,7 @@ START_TEST(what_starts_tangled_comes_apart_and_is_not_thrown)
         if (world.bodies.empty())
             ck_assert_double_lt(double(MomentumOf(world).length()), 1e-4);
     }
-    ck_assert_uint_le(CountPenetrating(world), def.left);
+    ck_assert_uint_le(CountTangled(world), def.left);
 }
 END_TEST
 
@@ -133,7 +133,7 @@ START_TEST(nothing_passes_away_from_a_tangle)
     const qcTangledSceneDef& def = qcTangledScenes[_i];
     qcTangledWorld world(def.gravity);
     def.make(&world);
-    std::vector<qcSoup> soups = SoupsOf(world);
+    std::vector<qcWorldMesh> soups = SoupsOf(world);
     std::set<Pair> before = FindPenetrating(soups);
     for (int step = 1; step <= 60; step++)
     {
@@ -167,15 +167,15 @@ START_TEST(tangles_stay_where_the_setting_is_off)
     settings.untangle = false;
     // One of two is enough.
     world.softSolver.setSettings(world.cloths[1], settings);
-    std::vector<qcSoup> start = SoupsOf(world);
-    int count = int(CountPenetrating(world));
+    std::vector<qcWorldMesh> start = SoupsOf(world);
+    int count = int(CountTangled(world));
     for (int step = 0; step < 10; step++)
     {
         world.Step();
         CheckStep(world);
         ck_assert_int_eq(world.softSolver.getStatistics().exempt, count);
     }
-    std::vector<qcSoup> end = SoupsOf(world);
+    std::vector<qcWorldMesh> end = SoupsOf(world);
     for (size_t body = 0; body < 2; body++)
         for (size_t i = 0; i < start[body].positions.size(); i++)
             ck_assert_double_eq_tol(start[body].positions[i], end[body].positions[i], 1e-6);
@@ -192,7 +192,7 @@ END_TEST
 
 START_TEST(the_setting_changes_nothing_where_nothing_is_tangled)
 {
-    std::vector<qcSoup> ends[2];
+    std::vector<qcWorldMesh> ends[2];
     for (int untangle = 0; untangle < 2; untangle++)
     {
         qcTangledWorld world(10);
@@ -259,7 +259,7 @@ START_TEST(cloths_that_cross_along_common_positions_fall_freely_and_come_apart)
 {
     qcTangledWorld world(10);
     qcMakeCrossedAtNodes(&world);
-    ck_assert_uint_eq(CountPenetrating(world), 0);
+    ck_assert_uint_eq(CountTangled(world), 0);
     // Touching surfaces are held as one while they fall; rounding decides when they begin to penetrate, and part.
     // Nothing changes from step to step: the long form looks for drift.
     const int steps = qcIsLongForm() ? 400 : 100;
@@ -306,7 +306,7 @@ START_TEST(cloths_that_move_as_one_keep_spinning)
 }
 END_TEST
 
-static int RunAll()
+QC_TEST_MAIN()
 {
     Suite* suite = suite_create("soft tangles");
     TCase* tests = tcase_create("tangles");
@@ -322,9 +322,4 @@ static int RunAll()
     tcase_add_test(tests, cloths_that_move_as_one_keep_spinning);
     suite_add_tcase(suite, tests);
     return qcRunSuite(suite);
-}
-
-int main()
-{
-    return RunAll();
 }

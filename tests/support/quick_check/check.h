@@ -6,6 +6,9 @@
 
 #include_next <check.h>
 
+// An old name of ck_abort_msg, and a function of the standard library's streams.
+#undef fail
+
 #include <stdint.h>
 
 /// Marks a line of a source that was not passed before. Two lines with one hash count as one.
