@@ -23,6 +23,8 @@ target_link_libraries(core_hashes PRIVATE quickcullide::core m)
 qc_golden_test(test_behaviour core_hashes core_hashes.txt core_work_fused.txt)
 qc_golden_test(test_behaviour_plain core_hashes core_hashes.txt core_work_plain.txt ENVIRONMENT QC_KERNELS=plain)
 qc_golden_test(test_behaviour_device core_hashes core_device.txt OPTIONS --device)
+# It runs for long in one thread: begun last, it would run on alone.
+set_tests_properties(test_behaviour_device PROPERTIES COST 20)
 set(QC_GOLDEN_PROGRAMS core_hashes)
 
 foreach(precision single double)
