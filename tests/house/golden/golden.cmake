@@ -36,6 +36,8 @@ foreach(precision single double)
     set(program bullet_hashes_${precision})
     add_executable(${program} ${QC_GOLDEN}/bullet_hashes.cpp $<TARGET_OBJECTS:qc_golden_meshes>)
     target_link_libraries(${program} PRIVATE quickcullide::bullet${suffix})
+    # In half the time; single operations have the same results.
+    target_compile_options(${program} PRIVATE $<$<CONFIG:Release>:-Og>)
     # LinearMath/btModifiedGramSchmidt.h instantiates itself; gcc 12 believes that to read what is not set.
     target_compile_options(${program} PRIVATE "$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>")
     if(TARGET quickcullide::fracture${suffix})
