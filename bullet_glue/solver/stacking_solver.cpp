@@ -110,6 +110,22 @@ struct qcStackingSolver::Contact
 qcStackingSolver::qcStackingSolver() = default;
 qcStackingSolver::~qcStackingSolver() = default;
 
+void qcStackingSolver::reserveContacts(int points)
+{
+    auto reserve = [](btConstraintArray& rows, int count)
+    {
+        if (count <= rows.capacity())
+            return;
+        // Writes to the rows: the first step to use them would otherwise wait for the system's memory.
+        rows.resize(count);
+        rows.resizeNoInitialize(0);
+    };
+    // Along a normal and two directions of friction, and about them.
+    reserve(m_tmpSolverContactConstraintPool, points);
+    reserve(m_tmpSolverContactFrictionConstraintPool, 2 * points);
+    reserve(m_tmpSolverContactRollingFrictionConstraintPool, 3 * points);
+}
+
 bool qcStackingSolver::IsFixed(int body) const
 {
     const btRigidBody* original = m_tmpSolverBodyPool[body].m_originalBody;

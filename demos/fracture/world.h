@@ -80,13 +80,6 @@ class qcFractureWorld
     }
 
   private:
-    /// A solver with arrays that have room for the contact of all pieces when they appear.
-    class Solver : public qcStackingSolver
-    {
-      public:
-        void Reserve(int points);
-    };
-
     /// Searches for an impact between collision detection and the solver.
     class World : public btDiscreteDynamicsWorld
     {
@@ -115,7 +108,7 @@ class qcFractureWorld
     btDefaultCollisionConfiguration m_configuration;
     btCollisionDispatcher m_dispatcher;
     qcBroadphase m_broadphase;
-    Solver m_solver;
+    qcStackingSolver m_solver;
     qcMeshContact m_meshContact;
     World m_world;
     btStaticPlaneShape m_floorShape;

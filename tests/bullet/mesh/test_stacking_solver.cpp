@@ -1,5 +1,5 @@
 // The solver for heaps: nothing is pressed into what stands still, no energy is gained, and where nothing stands still
-// or joints hold bodies it is Bullet's solver.
+// or joints hold bodies it is Bullet's solver. Room that was made for contact points lasts.
 #include "bullet/mesh/mesh_world.h"
 
 namespace
@@ -235,9 +235,80 @@ START_TEST(bodies_with_joints_move_as_by_bullets_solver)
     ck_assert(Chain(&sequential) == Chain(&stacking));
 }
 END_TEST
+
+/// Shows where the solver's arrays lie.
+class OpenSolver : public qcStackingSolver
+{
+  public:
+    /// The addresses of the arrays of contact points, of friction, and of friction about the directions.
+    std::vector<const void*> Addresses() const
+    {
+        std::vector<const void*> addresses;
+        for (const btConstraintArray* rows :
+             {&m_tmpSolverContactConstraintPool, &m_tmpSolverContactFrictionConstraintPool,
+              &m_tmpSolverContactRollingFrictionConstraintPool})
+            addresses.push_back(rows->capacity() > 0 ? &(*rows)[0] : nullptr);
+        return addresses;
+    }
+    /// Contact points that the arrays have had at once.
+    int Points() const
+    {
+        return m_points;
+    }
+
+  protected:
+    btScalar solveGroupCacheFriendlyIterations(btCollisionObject** found, int bodyCount,
+                                               btPersistentManifold** manifolds, int manifoldCount,
+                                               btTypedConstraint** constraints, int constraintCount,
+                                               const btContactSolverInfo& info, btIDebugDraw* drawer) override
+    {
+        m_points = std::max(m_points, m_tmpSolverContactConstraintPool.size());
+        return qcStackingSolver::solveGroupCacheFriendlyIterations(found, bodyCount, manifolds, manifoldCount,
+                                                                   constraints, constraintCount, info, drawer);
+    }
+
+  private:
+    int m_points = 0;
+};
+
+/// 100 boxes with all kinds of friction lie down on a plane. Returns where one ends.
+btTransform LieDown(OpenSolver* solver)
+{
+    BoxWorld boxes(solver);
+    boxes.world.getSolverInfo().m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
+    boxes.floor.setRollingFriction(btScalar(0.1));
+    boxes.world.addRigidBody(&boxes.floor);
+    const btVector3 half(btScalar(0.4), btScalar(0.1), btScalar(0.4));
+    for (int i = 0; i < 100; i++)
+    {
+        btTransform place(btQuaternion::getIdentity(), btVector3(btScalar(i % 10), btScalar(0.1), btScalar(i / 10)));
+        boxes.Add(half, 1, place)->setRollingFriction(btScalar(0.1));
+    }
+    for (int step = 0; step < 10; step++)
+        boxes.world.stepSimulation(s_shortStep, 0);
+    return boxes.bodies.back()->getWorldTransform();
+}
+
+START_TEST(arrays_with_room_for_the_contact_points_of_a_step_do_not_grow_in_it)
+{
+    OpenSolver plain, reserved, none;
+    const btTransform expected = LieDown(&plain);
+    ck_assert_int_ge(plain.Points(), 200);
+    reserved.reserveContacts(plain.Points());
+    const std::vector<const void*> before = reserved.Addresses();
+    reserved.reserveContacts(1);
+    ck_assert(LieDown(&reserved) == expected);
+    ck_assert_int_eq(reserved.Points(), plain.Points());
+    ck_assert(reserved.Addresses() == before);
+    none.reserveContacts(0);
+    none.reserveContacts(-1);
+    ck_assert(LieDown(&none) == expected);
+}
+END_TEST
 } // namespace
 
 QC_RUN_TESTS("stacking solver", a_light_body_under_heavy_ones_is_not_pressed_into_the_floor,
              split_impulses_push_nothing_into_a_floor_that_it_reaches_in_the_step,
              the_energy_of_a_heap_rises_no_more_than_by_bullets_solver, a_heap_comes_to_rest,
-             bodies_that_nothing_holds_move_as_by_bullets_solver, bodies_with_joints_move_as_by_bullets_solver)
+             bodies_that_nothing_holds_move_as_by_bullets_solver, bodies_with_joints_move_as_by_bullets_solver,
+             arrays_with_room_for_the_contact_points_of_a_step_do_not_grow_in_it)
