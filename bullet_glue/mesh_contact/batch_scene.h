@@ -63,8 +63,6 @@ struct qcBatchObject
     qcObjectState state;             ///< at the last check
     uint64_t checked = 0;            ///< number of the last check of the object (qcBatchValidity)
     bool isChanged = false;          ///< result of that check: nothing that is known of its pairs holds
-    uint64_t limited = 0;            ///< number of the last limiting of motion that looked it up
-    bool isCurrent = false;          ///< its meshes were as last read then
     std::vector<qcBatchMesh> meshes;
 
     /// True if contact of the two is computed here.

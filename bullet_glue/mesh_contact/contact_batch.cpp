@@ -364,32 +364,19 @@ void qcMeshBatch::QueryPair(const qcPlacedMesh& a, const qcPlacedMesh& b, btScal
     Note(status);
 }
 
-/// The object if its meshes are as last read, which is checked once in a limiting; null otherwise.
-qcBatchObject* qcMeshBatch::FindCurrent(const btCollisionObject* object)
+const qcBatchObject* qcMeshBatch::FindCurrent(const btCollisionObject* object)
 {
-    qcBatchObject* gathered = m_scene.Find(object);
-    if (gathered == nullptr)
-        return nullptr;
-    if (gathered->limited != m_limits)
-    {
-        gathered->limited = m_limits;
-        gathered->isCurrent = m_scene.IsUnchanged(object, *gathered);
-    }
-    return gathered->isCurrent ? gathered : nullptr;
+    const qcBatchObject* gathered = m_scene.Find(object);
+    return gathered != nullptr && m_scene.IsUnchanged(object, *gathered) ? gathered : nullptr;
 }
 
-bool qcMeshBatch::StayApart(const btCollisionObject* a, const qcStepMotion& motionA, const btCollisionObject* b,
-                            const qcStepMotion& motionB)
+bool qcMeshBatch::StayApart(const qcKnownStep& a, const qcKnownStep& b)
 {
-    const qcBatchObject *gatheredA = FindCurrent(a), *gatheredB = FindCurrent(b);
-    if (gatheredA == nullptr || gatheredB == nullptr)
-        return false;
-    if (gatheredA->owner > gatheredB->owner)
-        return StayApart(b, motionB, a, motionA);
-    const qcPairContact* pair = m_pairs.Find(gatheredA->owner, gatheredB->owner);
-    return pair != nullptr && pair->versionA == gatheredA->version && pair->versionB == gatheredB->version &&
-           qcPairContacts::StayApart(*pair, {motionA.start, motionA.end, gatheredA->radius},
-                                     {motionB.start, motionB.end, gatheredB->radius});
+    if (a.object.owner > b.object.owner)
+        return StayApart(b, a);
+    const qcPairContact* pair = m_pairs.Find(a.object.owner, b.object.owner);
+    return pair != nullptr && pair->versionA == a.object.version && pair->versionB == b.object.version &&
+           qcPairContacts::StayApart(*pair, {a.start, a.end, a.object.radius}, {b.start, b.end, b.object.radius});
 }
 
 void qcMeshBatch::InvalidateShape(const btCollisionShape* shape)
@@ -403,7 +390,6 @@ void qcMeshBatch::InvalidateShape(const btCollisionShape* shape)
 void qcMeshBatch::LimitMotion(btScalar timeStep)
 {
     std::lock_guard<std::mutex> lock(m_mutex);
-    m_limits++;
     std::vector<const btCollisionObject*> moved;
     if (m_isLimited)
         m_limiter.LimitAgain(timeStep, {}, &moved, &statistics);
@@ -415,7 +401,6 @@ void qcMeshBatch::LimitMotion(btScalar timeStep)
 void qcMeshBatch::LimitFirst(btScalar timeStep)
 {
     std::lock_guard<std::mutex> lock(m_mutex);
-    m_limits++;
     m_limiter.Limit(timeStep, &statistics);
     m_isLimited = true;
 }
@@ -424,7 +409,6 @@ void qcMeshBatch::LimitAgain(btScalar timeStep, const std::vector<const btCollis
                              std::vector<const btCollisionObject*>* moved)
 {
     std::lock_guard<std::mutex> lock(m_mutex);
-    m_limits++;
     m_limiter.LimitAgain(timeStep, held, moved, &statistics);
 }
 

@@ -46,8 +46,8 @@ class qcMeshBatch : public qcRigidLimits, public qcKnownGaps
     void LimitFirst(btScalar timeStep) override;
     void LimitAgain(btScalar timeStep, const std::vector<const btCollisionObject*>& held,
                     std::vector<const btCollisionObject*>* moved) override;
-    bool StayApart(const btCollisionObject* a, const qcStepMotion& motionA, const btCollisionObject* b,
-                   const qcStepMotion& motionB) override;
+    const qcBatchObject* FindCurrent(const btCollisionObject* object) override;
+    bool StayApart(const qcKnownStep& a, const qcKnownStep& b) override;
     /// Call it after the triangles of a shape have changed.
     void InvalidateShape(const btCollisionShape* shape);
     /// Draws the candidates of the last batch, at the present transforms of their objects. `modes`: qcDebugDrawMode.
@@ -72,7 +72,6 @@ class qcMeshBatch : public qcRigidLimits, public qcKnownGaps
     void StorePoints(const qcBatchPair& pair, qcPairContact* contact) const;
     void Store();
     void Run();
-    qcBatchObject* FindCurrent(const btCollisionObject* object);
     int FindMesh(const qcBatchObject& gathered, const qcPlacedMesh& mesh) const;
     bool ReadPair(const qcPlacedMesh& a, const qcPlacedMesh& b, std::vector<qcMeshPoint>* points) const;
 
@@ -84,7 +83,6 @@ class qcMeshBatch : public qcRigidLimits, public qcKnownGaps
     qcAxisCache m_axes;
     qcMotionLimiter m_limiter;
     bool m_isLimited = false;           ///< the present step, by LimitFirst
-    uint64_t m_limits = 0;              ///< number of the present call that limits motion
     qcPlanePairs m_planes;              ///< of the last batch
     qcImpactSampler m_impacts;          ///< of the last batch
     const qcResult* m_result = nullptr; ///< of the last batch; null: none, or it failed

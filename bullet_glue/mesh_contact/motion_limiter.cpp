@@ -317,14 +317,24 @@ void qcMotionLimiter::CommitAll(btScalar timeStep)
     m_islands.Damp(cutAgain);
 }
 
-/// Leaves out the pairs that the previous round has proven apart or settled, and whose ends it has not moved.
-void qcMotionLimiter::SkipUnmovedPairs()
+/// Finds the pairs of a round: of those that the previous round has not moved, the ones that it has not proven apart.
+void qcMotionLimiter::FindPairs(bool isFirst)
 {
     for (qcSweptObject* swept : m_objects.Get())
-        swept->isUnmoved = qcAreSame(swept->end, swept->certified);
-    auto isUnmoved = [](const qcSweptPair& pair) { return pair.first->isUnmoved && pair.second->isUnmoved; };
-    m_pairs.erase(std::remove_if(m_pairs.begin(), m_pairs.end(), isUnmoved), m_pairs.end());
-    std::copy_if(m_unprovenPairs.begin(), m_unprovenPairs.end(), std::back_inserter(m_pairs), isUnmoved);
+        swept->isUnmoved = !isFirst && qcAreSame(swept->end, swept->certified);
+    m_objects.FindPairs(&m_pairs);
+    if (!isFirst)
+        std::copy_if(m_unprovenPairs.begin(), m_unprovenPairs.end(), std::back_inserter(m_pairs),
+                     [](const qcSweptPair& pair) { return pair.first->isUnmoved && pair.second->isUnmoved; });
+}
+
+/// The object as contact knows it, or null.
+const qcBatchObject* qcMotionLimiter::KnownOf(qcSweptObject* swept)
+{
+    if (!swept->isLookedUp)
+        swept->known = m_gaps.FindCurrent(swept->object);
+    swept->isLookedUp = true;
+    return swept->known;
 }
 
 /// Leaves out the pairs whose motion is small against the gap between them.
@@ -333,7 +343,9 @@ void qcMotionLimiter::SkipProvenPairs()
     auto isProven = [this](const qcSweptPair& pair)
     {
         const qcSweptObject &a = *pair.first, &b = *pair.second;
-        return m_gaps.StayApart(a.object, {a.start, a.end}, b.object, {b.start, b.end});
+        const qcBatchObject *knownA = KnownOf(pair.first), *knownB = KnownOf(pair.second);
+        return knownA != nullptr && knownB != nullptr &&
+               m_gaps.StayApart({*knownA, a.start, a.end}, {*knownB, b.start, b.end});
     };
     m_pairs.erase(std::remove_if(m_pairs.begin(), m_pairs.end(), isProven), m_pairs.end());
 }
@@ -451,12 +463,9 @@ qcStatus qcMotionLimiter::Certify()
     int cuts = 0;
     for (int round = 0;; round++)
     {
-        m_objects.FindPairs(&m_pairs);
+        FindPairs(round == 0);
         if (round > 0)
-        {
-            SkipUnmovedPairs();
             SkipSettledPairs(reported);
-        }
         SkipProvenPairs();
         SortPairs();
         m_unprovenPairs = m_pairs;

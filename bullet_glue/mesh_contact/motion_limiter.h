@@ -11,9 +11,10 @@
 
 #include <map>
 
-/// The transforms of an object at both ends of a step.
-struct qcStepMotion
+/// A step of an object that contact knows.
+struct qcKnownStep
 {
+    const qcBatchObject& object;
     const btTransform &start, &end;
 };
 
@@ -22,10 +23,11 @@ class qcKnownGaps
 {
   public:
     virtual ~qcKnownGaps() = default;
+    /// The object as contact knows it; null: its meshes are others. Valid until contact is computed anew.
+    virtual const qcBatchObject* FindCurrent(const btCollisionObject* object) = 0;
     /// True if the meshes of two objects have no common point at any time of a step in which their vertices move along
     /// straight lines. False proves nothing.
-    virtual bool StayApart(const btCollisionObject* a, const qcStepMotion& motionA, const btCollisionObject* b,
-                           const qcStepMotion& motionB) = 0;
+    virtual bool StayApart(const qcKnownStep& a, const qcKnownStep& b) = 0;
 };
 
 /// Runs at the end of a step, after Bullet has integrated the transforms. Not for several threads.
@@ -81,8 +83,9 @@ class qcMotionLimiter
     void JoinBlocked();
     std::map<Numbers, Block> FindBlocks() const;
     void Cut(int round);
-    void SkipUnmovedPairs();
+    void FindPairs(bool isFirst);
     void SkipProvenPairs();
+    const qcBatchObject* KnownOf(qcSweptObject* swept);
     void SortPairs();
     bool IsSeparated(const qcSweptPair& pair);
     void SkipSeparatedPairs();

@@ -81,6 +81,7 @@ void Push(qcSweptObject* swept, const Yield& yield, btScalar impulse)
     const btTransform before = swept->end;
     swept->end.setOrigin(before.getOrigin() + yield.linear * impulse);
     swept->isPushed = true;
+    swept->pushes++;
     btVector3 turn = yield.angular * impulse;
     btScalar angle = turn.length();
     if (angle > SIMD_EPSILON)
@@ -99,10 +100,16 @@ void Push(qcSweptObject* swept, const Yield& yield, btScalar impulse)
 
 void SolvePlane(qcMotionPlane* plane)
 {
+    const uint32_t pushes[2] = {plane->above.swept->pushes, plane->below.swept->pushes};
+    if (pushes[0] == plane->held[0] && pushes[1] == plane->held[1])
+        return;
     Extreme lowest(plane->above, plane->normal), highest(plane->below, -plane->normal);
     btScalar lack = plane->gap - lowest.height - highest.height;
     if (!(lack > 0))
+    {
+        std::copy(pushes, pushes + 2, plane->held);
         return;
+    }
     const Yield above(*plane->above.swept, lowest.arm, plane->normal);
     const Yield below(*plane->below.swept, highest.arm, -plane->normal);
     const btScalar inverseMass = above.along + below.along;

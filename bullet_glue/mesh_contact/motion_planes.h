@@ -37,6 +37,8 @@ struct qcMotionPlane
     btScalar gap;      ///< required distance along the normal, of the two triangles or hulls
     btScalar pushed;   ///< sum of impulses so far, times the time step
     btVector3 arms[2]; ///< of the last push, from the centres of above and below
+    /// The pushes of above and below when no push was needed; a plane that has not been solved has others.
+    uint32_t held[2] = {UINT32_MAX, UINT32_MAX};
 };
 
 class qcMotionPlanes

@@ -35,10 +35,10 @@ struct qcPairContact
     std::vector<qcKnownPoint> points; ///< sorted by meshes
 };
 
-/// A motion of a pair, or of one object from a transform to another.
+/// A motion of an object, from a transform to another; refers to both.
 struct qcObjectMotion
 {
-    btTransform from, to;
+    const btTransform &from, &to;
     btScalar radius; ///< upper bound of the distance of its points from its origin
 };
 

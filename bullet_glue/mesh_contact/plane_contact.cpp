@@ -33,10 +33,12 @@ void qcPlaneContact::ReadTriangles(const qcSupportMesh& mesh, const View& view, 
     const qcMeshTriangles& all = mesh.Triangles();
     for (const uint32_t* t = mesh.TrianglesOf().begin(vertex); t != mesh.TrianglesOf().end(vertex); t++)
     {
+        if (!(btFabs(mesh.Normals()[*t].dot(view.height)) > s_steepFace))
+            continue;
         const uint32_t* index = all.indices + 3 * size_t(*t);
         bool isFirst = std::none_of(index, index + 3,
                                     [&](uint32_t corner) { return corner < vertex && side->isNear[corner] != 0; });
-        if (isFirst && btFabs(mesh.Normals()[*t].dot(view.height)) > s_steepFace)
+        if (isFirst)
             side->triangles.push_back(
                 {{view(all.points[index[0]]), view(all.points[index[1]]), view(all.points[index[2]])}, *t});
     }

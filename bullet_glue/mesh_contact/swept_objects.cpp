@@ -192,7 +192,7 @@ bool qcSweptObjects::ReadTargets(qcScene* scene)
         swept.target = swept.end = objects[i]->getWorldTransform();
         FindFloors(&swept);
         swept.carried = swept.start;
-        swept.isPushed = false;
+        swept.isPushed = swept.isLookedUp = false;
         swept.fraction = 1;
         anyMoved = anyMoved || !qcAreSame(swept.start, swept.target);
     }
@@ -303,7 +303,8 @@ void qcSweptObjects::FindPairs(std::vector<qcSweptPair>* pairs)
             qcSweptObject *a = m_byLower[i], *b = m_byLower[j];
             if (a->number > b->number)
                 std::swap(a, b);
-            if ((a->moves || b->moves) && IsBelow(a->lower, b->upper) && IsBelow(b->lower, a->upper) && Collide(*a, *b))
+            if ((a->moves || b->moves) && !(a->isUnmoved && b->isUnmoved) && IsBelow(a->lower, b->upper) &&
+                IsBelow(b->lower, a->upper) && Collide(*a, *b))
                 pairs->emplace_back(a, b);
         }
 }

@@ -33,25 +33,28 @@ struct qcSweptFloor
 struct qcSweptObject
 {
     btCollisionObject* object = nullptr;
-    btRigidBody* body = nullptr;         ///< null: the application alone moves the object, and its motion is not cut
-    uint32_t number = 0;                 ///< in the order in which objects entered the world; see qcIdCounter
-    uint32_t index = 0;                  ///< in the present list of objects
-    uint64_t step = 0;                   ///< the last update that found the object in the world
-    bool hasMesh = false;                ///< one of its shapes consists of triangles; planes do not
-    bool isOurs = false;                 ///< contact of one of its meshes with any other mesh is computed here
-    const qcSupportMesh* hull = nullptr; ///< its mesh, if it consists of one small mesh
-    bool isNew = true;                   ///< in its first step
-    bool wasActive = false;              ///< a dynamic body that did not sleep when contact was searched
-    bool moves = false;                  ///< its end is not its start
+    btRigidBody* body = nullptr;          ///< null: the application alone moves the object, and its motion is not cut
+    uint32_t number = 0;                  ///< in the order in which objects entered the world; see qcIdCounter
+    uint32_t index = 0;                   ///< in the present list of objects
+    uint64_t step = 0;                    ///< the last update that found the object in the world
+    bool hasMesh = false;                 ///< one of its shapes consists of triangles; planes do not
+    bool isOurs = false;                  ///< contact of one of its meshes with any other mesh is computed here
+    const qcSupportMesh* hull = nullptr;  ///< its mesh, if it consists of one small mesh
+    bool isNew = true;                    ///< in its first step
+    bool wasActive = false;               ///< a dynamic body that did not sleep when contact was searched
+    bool moves = false;                   ///< its end is not its start
+    const qcBatchObject* known = nullptr; ///< the object as contact knows it; null: not at all
+    bool isLookedUp = false;              ///< `known` is of this step
     btTransform start, target; ///< before and after the step; the target is Bullet's, or where planes have pushed it
     btTransform carried;       ///< the start, moved by the common motion of its island
     btTransform end;           ///< after the step, as the limiter has it so far
     btTransform tested;        ///< the end at the last detection of this step
     btTransform certified;     ///< the end in the last round of certificates
-    bool isUnmoved = false;    ///< the end is the one certified
+    bool isUnmoved = false;    ///< the end is the one certified in this step's last round
     btTransform next;          ///< where the next step starts
     btTransform last;          ///< where the previous step ended
     bool isPushed = false;     ///< planes have moved the end
+    uint32_t pushes = 0;       ///< number of times that they have moved it
     btScalar fraction = 1;     ///< of the motion from `carried` to the target that the object makes
     btVector3 motion{0, 0, 0}; ///< of the origin in the previous step, for objects that Bullet does not move
     btScalar lost = 0;         ///< part of its own motion that the object has not made in this step
@@ -116,7 +119,7 @@ class qcSweptObjects
     /// Reads the present transforms as the targets. Meshes of objects that left the world are removed from the scene.
     /// True if an object has moved.
     bool ReadTargets(qcScene* scene);
-    /// The pairs that collide and whose boxes overlap; at least one of the two has moved.
+    /// The pairs that collide and whose boxes overlap; at least one of the two moves, and one is not isUnmoved.
     void FindPairs(std::vector<qcSweptPair>* pairs);
     /// The next step starts at the present transforms.
     void RecordEnds();
