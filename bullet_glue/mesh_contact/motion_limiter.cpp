@@ -328,7 +328,7 @@ void qcMotionLimiter::FindPairs(bool isFirst)
                      [](const qcSweptPair& pair) { return pair.first->isUnmoved && pair.second->isUnmoved; });
 }
 
-/// The object as contact knows it, or null.
+/// The object in the scene of contact, or null; looked up once a step.
 const qcBatchObject* qcMotionLimiter::KnownOf(qcSweptObject* swept)
 {
     if (!swept->isLookedUp)

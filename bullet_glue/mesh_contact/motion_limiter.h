@@ -11,7 +11,7 @@
 
 #include <map>
 
-/// A step of an object that contact knows.
+/// A step of an object in the scene of contact.
 struct qcKnownStep
 {
     const qcBatchObject& object;
@@ -23,7 +23,8 @@ class qcKnownGaps
 {
   public:
     virtual ~qcKnownGaps() = default;
-    /// The object as contact knows it; null: its meshes are others. Valid until contact is computed anew.
+    /// The object in the scene of contact; null: its meshes there are not the present ones. Valid until contact is
+    /// computed anew.
     virtual const qcBatchObject* FindCurrent(const btCollisionObject* object) = 0;
     /// True if the meshes of two objects have no common point at any time of a step in which their vertices move along
     /// straight lines. False proves nothing.

@@ -43,7 +43,7 @@ struct qcSweptObject
     bool isNew = true;                    ///< in its first step
     bool wasActive = false;               ///< a dynamic body that did not sleep when contact was searched
     bool moves = false;                   ///< its end is not its start
-    const qcBatchObject* known = nullptr; ///< the object as contact knows it; null: not at all
+    const qcBatchObject* known = nullptr; ///< the object in the scene of contact, or null
     bool isLookedUp = false;              ///< `known` is of this step
     btTransform start, target; ///< before and after the step; the target is Bullet's, or where planes have pushed it
     btTransform carried;       ///< the start, moved by the common motion of its island

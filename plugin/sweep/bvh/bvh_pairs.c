@@ -25,6 +25,9 @@ enum
     // Clusters of both sides, as of 4096 triangles with themselves: a search of fewer stays on one thread. With two it
     // took 1.1 times as long where the cores have no common cache.
     qc_minClusters = 1024,
+    // A search of so many already takes memory for all threads: in a later step the same bodies may be searched by
+    // them, and which step that is depends on measured times. Memory would grow in a scene at rest.
+    qc_minThreadsMemory = 256,
     // Searches that are prepared together, in about ten microseconds, and the min number of blocks that is worth waking
     // a thread for.
     qc_searchBlock = 16,
@@ -542,11 +545,11 @@ qcStatus qcBvhPairs_Begin(qcBvhPairs* pairs, const qcBvhPairsJob* jobs, size_t j
     bool isMotion = jobCount != 0 && jobs[0].motion;
     QC_TRY(qcArray_Resize(&pairs->motions, isMotion ? 2 * jobCount : 0, sizeof(qcMotionBvh), "searches of BVHs"));
     double clusters = SizeOfAll(&run);
-    uint32_t workers = ThreadsFor(clusters, threads);
-    QC_TRY(qcArray_Resize(&pairs->queues, (size_t)workers * qc_queueRoom, sizeof(qcSlotPair), "pairs of slots"));
-    QC_TRY(qcArray_Resize(&pairs->planes, workers, sizeof(qcPlaneCache), "planes of clusters"));
+    size_t room = clusters < qc_minThreadsMemory ? 1 : threads;
+    QC_TRY(qcArray_Resize(&pairs->queues, room * qc_queueRoom, sizeof(qcSlotPair), "pairs of slots"));
+    QC_TRY(qcArray_Resize(&pairs->planes, room, sizeof(qcPlaneCache), "planes of clusters"));
     qcParallel_For(threads, (jobCount + qc_searchBlock - 1) / qc_searchBlock, qc_minSearchBlocks, PrepareBlock, &run);
-    return FindAllNodePairs(&run, clusters, workers);
+    return FindAllNodePairs(&run, clusters, ThreadsFor(clusters, threads));
 }
 
 void qcBvhPairs_Finish(qcBvhPairs* pairs, const qcBvhPairsJob* jobs, size_t jobCount, uint32_t threads)
