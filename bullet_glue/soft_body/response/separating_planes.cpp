@@ -32,6 +32,31 @@ qcPlaneSide SideOf(qcSoftBodyScene& scene, uint32_t slot, uint32_t triangle)
     return side;
 }
 
+/// The present position of a vertex of a mesh, with what its object moves by at the next Commit. `arm`: from the centre
+/// of the object, without that.
+btVector3 EndOfMesh(const qcPlaneSide& side, uint32_t vertex, btVector3* arm)
+{
+    const qcSceneRigid& rigid = *side.rigid;
+    const btTransform& now = rigid.object->getWorldTransform();
+    const btVector3 end = now * (side.mesh->local * side.mesh->shape->getVertices()[vertex]);
+    *arm = end - now.getOrigin();
+    return end + (rigid.linear + rigid.angular.cross(*arm));
+}
+
+/// The least height of a triangle's corners above an origin.
+btScalar LowestOf(const qcPlaneSide& side, const btVector3& outward, const btVector3& origin)
+{
+    btScalar lowest = BT_LARGE_FLOAT;
+    for (int i = 0; i < side.count; i++)
+    {
+        btVector3 arm;
+        const btVector3 end =
+            side.soft != nullptr ? side.soft->positions[side.vertices[i]] : EndOfMesh(side, side.vertices[i], &arm);
+        lowest = std::min(lowest, outward.dot(end - origin));
+    }
+    return lowest;
+}
+
 /// A corner of a triangle, relative to a plane.
 struct Corner
 {
@@ -82,13 +107,9 @@ struct Corners
     Corner OfMesh(uint32_t vertex) const
     {
         const qcSceneRigid& rigid = *side->rigid;
-        const btTransform& now = rigid.object->getWorldTransform();
         Corner made;
-        btVector3 local = side->mesh->local * side->mesh->shape->getVertices()[vertex];
-        made.start = rigid.start * local;
-        made.end = now * local;
-        made.arm = made.end - now.getOrigin();
-        made.end += rigid.linear + rigid.angular.cross(made.arm);
+        made.start = rigid.start * (side->mesh->local * side->mesh->shape->getVertices()[vertex]);
+        made.end = EndOfMesh(*side, vertex, &made.arm);
         made.motion = made.end - made.start;
         made.height = outward.dot(made.end - origin);
         made.startHeight = outward.dot(made.start - origin);
@@ -177,9 +198,13 @@ void SolvePlane(const qcSeparationPlane& plane)
     btVector3 origin = plane.above.soft != nullptr   ? plane.above.soft->positions[plane.above.vertices[0]]
                        : plane.below.soft != nullptr ? plane.below.soft->positions[plane.below.vertices[0]]
                                                      : plane.above.rigid->start.getOrigin();
+    const btScalar missing =
+        plane.gap - LowestOf(plane.above, plane.normal, origin) - LowestOf(plane.below, -plane.normal, origin);
+    // Most planes hold in most sweeps.
+    if (missing <= 0)
+        return;
     Corners above(plane.above, plane.normal, origin), below(plane.below, -plane.normal, origin);
-    btScalar missing = plane.gap - above.lowest - below.lowest;
-    if (missing <= 0 || (!above.moves && !below.moves))
+    if (!above.moves && !below.moves)
         return;
     // The share of the upper side. Fixed corners bound it from either end.
     btScalar min = 0, max = 1;
