@@ -305,7 +305,7 @@ void qcMotionLimiter::Commit(qcSweptObject* swept, btScalar timeStep) const
 void qcMotionLimiter::CommitAll(btScalar timeStep)
 {
     for (qcSweptObject* swept : m_objects.Get())
-        if (swept->isPushed || swept->fraction < 1)
+        if (swept->pushes > 0 || swept->fraction < 1)
             Commit(swept, timeStep);
     auto isStoppedAgain = [this](const qcSweptObject& a, const qcSweptObject& b)
     { return IsSwept(a) || IsSwept(b) || m_previouslyStopped.count(std::minmax(a.number, b.number)) > 0; };
@@ -542,7 +542,7 @@ void qcMotionLimiter::LimitAgain(btScalar timeStep, const std::vector<const btCo
             swept->body = nullptr; // like a static one
     Run(timeStep, statistics);
     for (const qcSweptObject* swept : m_objects.Get())
-        if (swept->isPushed || swept->fraction < 1)
+        if (swept->pushes > 0 || swept->fraction < 1)
             moved->push_back(swept->object);
     m_objects.RecordEnds();
     WriteStatistics(start, statistics);

@@ -80,7 +80,6 @@ void Push(qcSweptObject* swept, const Yield& yield, btScalar impulse)
         return;
     const btTransform before = swept->end;
     swept->end.setOrigin(before.getOrigin() + yield.linear * impulse);
-    swept->isPushed = true;
     swept->pushes++;
     btVector3 turn = yield.angular * impulse;
     btScalar angle = turn.length();

@@ -192,7 +192,8 @@ bool qcSweptObjects::ReadTargets(qcScene* scene)
         swept.target = swept.end = objects[i]->getWorldTransform();
         FindFloors(&swept);
         swept.carried = swept.start;
-        swept.isPushed = swept.isLookedUp = false;
+        swept.isLookedUp = false;
+        swept.pushes = 0;
         swept.fraction = 1;
         anyMoved = anyMoved || !qcAreSame(swept.start, swept.target);
     }

@@ -53,8 +53,7 @@ struct qcSweptObject
     bool isUnmoved = false;    ///< the end is the one certified in this step's last round
     btTransform next;          ///< where the next step starts
     btTransform last;          ///< where the previous step ended
-    bool isPushed = false;     ///< planes have moved the end
-    uint32_t pushes = 0;       ///< number of times that they have moved it
+    uint32_t pushes = 0;       ///< number of times that planes have moved the end
     btScalar fraction = 1;     ///< of the motion from `carried` to the target that the object makes
     btVector3 motion{0, 0, 0}; ///< of the origin in the previous step, for objects that Bullet does not move
     btScalar lost = 0;         ///< part of its own motion that the object has not made in this step

@@ -32,9 +32,9 @@ typedef struct ParallelSort
     size_t rangeEnds[qc_leadings], rangeCount;
 } ParallelSort;
 
-static size_t LeadingOf(int shift, uint64_t key)
+static size_t LeadingOf(const ParallelSort* sort, uint64_t key)
 {
-    return key >> shift & (qc_leadings - 1);
+    return key >> sort->shift & (qc_leadings - 1);
 }
 
 static size_t BlockEnd(const ParallelSort* sort, size_t block)
@@ -49,7 +49,7 @@ static void CountBlock(void* context, size_t block, uint32_t worker)
     const ParallelSort* sort = context;
     size_t numbers[qc_leadings] = {0}, end = BlockEnd(sort, block);
     for (size_t i = block * sort->blockKeys; i < end; i++)
-        numbers[LeadingOf(sort->shift, sort->keys[i])]++;
+        numbers[LeadingOf(sort, sort->keys[i])]++;
     memcpy(sort->ends[block], numbers, sizeof numbers);
 }
 
@@ -58,9 +58,8 @@ static void DistributeBlock(void* context, size_t block, uint32_t worker)
     (void)worker;
     const ParallelSort* sort = context;
     size_t *ends = sort->ends[block], end = BlockEnd(sort, block);
-    int shift = sort->shift;
     for (size_t i = block * sort->blockKeys; i < end; i++)
-        sort->ordered[ends[LeadingOf(shift, sort->keys[i])]++] = sort->keys[i];
+        sort->ordered[ends[LeadingOf(sort, sort->keys[i])]++] = sort->keys[i];
 }
 
 static void SortRange(void* context, size_t range, uint32_t worker)
