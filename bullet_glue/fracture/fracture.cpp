@@ -151,7 +151,7 @@ void JoinHollows(std::vector<qcFacetedMesh>* islands)
         }
         return true;
     };
-    for (size_t i = 0; i < islands->size(); i++)
+    for (size_t i = 0; i < islands->size() && islands->size() > 1; i++)
     {
         qcClipPoint first;
         if (qcFacetedMesh_Measure((*islands)[i], &first) >= 0)

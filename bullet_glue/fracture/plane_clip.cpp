@@ -90,35 +90,68 @@ bool DropBackToBack(const std::vector<TriangleEdge>& triangleEdges, const std::v
 
 //  ---- the cut ---------------------------------------------------------------------------------------
 
-/// Signed distances of the points from the plane. True if any is outside.
-bool FindSides(const qcClipSolid& solid, const qcClipPlane& plane, std::vector<double>* sides)
-{
-    sides->resize(solid.points.size());
-    bool any = false;
-    for (size_t i = 0; i < solid.points.size(); i++)
-    {
-        double side = qcDotOf(plane.normal, solid.points[i]) - plane.distance;
-        (*sides)[i] = side;
-        any |= side > 0;
-    }
-    return any;
-}
-
-/// Copies the points that are not outside to the scratch, and fills their new indices.
-void KeepInside(const qcClipSolid& solid, qcClipScratch* scratch)
+/// Fills the signed distances of the points from the plane and the new indices of those that are not outside. Returns
+/// how many these are.
+uint32_t FindSides(const qcClipSolid& solid, const qcClipPlane& plane, qcClipScratch* scratch)
 {
     size_t count = solid.points.size();
+    scratch->sides.resize(count);
     scratch->newIndices.resize(count);
-    scratch->points.resize(count);
+    const qcClipPoint* points = solid.points.data();
+    double* sides = scratch->sides.data();
+    uint32_t* newIndices = scratch->newIndices.data();
     uint32_t kept = 0;
     for (size_t i = 0; i < count; i++)
     {
-        bool isInside = !(scratch->sides[i] > 0);
-        scratch->newIndices[i] = isInside ? kept : s_none;
-        scratch->points[kept] = solid.points[i];
-        kept += isInside;
+        sides[i] = qcDotOf(plane.normal, points[i]) - plane.distance;
+        uint32_t isOutside = sides[i] > 0;
+        newIndices[i] = kept | (0 - isOutside); // s_none outside
+        kept += 1 - isOutside;
     }
-    scratch->points.resize(kept);
+    return kept;
+}
+
+/// Copies the edges with an end that is not outside, in order, with the new indices of their ends; lists those with one
+/// end outside. No branches: which edges are kept follows no pattern.
+void KeepEdges(const qcClipSolid& from, qcClipScratch* scratch, std::vector<qcClipEdge>* to)
+{
+    size_t count = from.edges.size(), kept = 0, crossed = 0;
+    to->resize(count);
+    if (scratch->crossedEdges.size() < count)
+        scratch->crossedEdges.resize(count);
+    const uint32_t* newIndices = scratch->newIndices.data();
+    const qcClipEdge* edges = from.edges.data();
+    qcClipEdge* keptEdges = to->data();
+    qcCrossedEdge* crossedEdges = scratch->crossedEdges.data();
+    for (size_t i = 0; i < count; i++)
+    {
+        const qcClipEdge edge = edges[i];
+        uint32_t start = newIndices[edge.from], end = newIndices[edge.to];
+        keptEdges[kept] = edge;
+        keptEdges[kept].from = start;
+        keptEdges[kept].to = end;
+        crossedEdges[crossed] = {edge.from, edge.to, kept};
+        kept += (start & end) != s_none;
+        crossed += (start == s_none) != (end == s_none);
+    }
+    to->resize(kept);
+    scratch->crossedCount = crossed;
+}
+
+/// Copies the points that are not outside, `kept` of them, in order.
+void KeepPoints(const std::vector<qcClipPoint>& from, const qcClipScratch& scratch, uint32_t kept,
+                std::vector<qcClipPoint>* to)
+{
+    size_t count = from.size(), at = 0;
+    to->resize(count);
+    const qcClipPoint* points = from.data();
+    qcClipPoint* keptPoints = to->data();
+    for (size_t i = 0; i < count; i++)
+    {
+        keptPoints[at] = points[i];
+        at += scratch.newIndices[i] != s_none;
+    }
+    to->resize(kept);
 }
 
 /// Intersection of an edge with the plane, computed from its nearer point: a mirrored plane gives the same point.
@@ -285,36 +318,31 @@ size_t qcClipSolid_Make(qcFacetedMesh* mesh, qcClipSolid* solid)
 
 void qcClipSolid_Clip(const qcClipSolid& from, const qcClipPlane& plane, qcClipScratch* scratch, qcClipSolid* to)
 {
-    if (!FindSides(from, plane, &scratch->sides))
+    uint32_t kept = FindSides(from, plane, scratch);
+    if (kept == from.points.size())
     {
         if (to != &from)
             *to = from;
         return;
     }
-    KeepInside(from, scratch);
-    const std::vector<uint32_t>& newIndices = scratch->newIndices;
-    std::vector<qcClipPoint>& points = scratch->points;
+    KeepEdges(from, scratch, &to->edges);
     CutEdges cutEdges(scratch);
-    size_t kept = 0;
-    to->edges.resize(from.edges.size());
-    for (qcClipEdge edge : from.edges)
+    std::vector<qcClipPoint>& made = scratch->points;
+    made.clear();
+    for (size_t i = 0; i < scratch->crossedCount; i++)
     {
-        uint32_t start = newIndices[edge.from], end = newIndices[edge.to];
-        if (start == s_none && end == s_none)
-            continue;
-        if (start == s_none || end == s_none)
-        {
-            uint32_t made = uint32_t(points.size());
-            points.push_back(Crossing(from, scratch->sides, edge.from, edge.to));
-            cutEdges.Leave(end == s_none ? edge.left : edge.right, made);
-            cutEdges.Enter(end == s_none ? edge.right : edge.left, made);
-            (end == s_none ? end : start) = made;
-        }
-        to->edges[kept++] = {start, end, edge.left, edge.right};
+        const qcCrossedEdge& crossed = scratch->crossedEdges[i];
+        qcClipEdge& edge = to->edges[crossed.kept];
+        uint32_t point = kept + uint32_t(made.size());
+        made.push_back(Crossing(from, scratch->sides, crossed.from, crossed.to));
+        bool leaves = edge.to == s_none;
+        cutEdges.Leave(leaves ? edge.left : edge.right, point);
+        cutEdges.Enter(leaves ? edge.right : edge.left, point);
+        (leaves ? edge.to : edge.from) = point;
     }
-    to->edges.resize(kept);
-    cutEdges.Close(plane.face, points, &to->edges);
-    to->points.swap(points);
+    KeepPoints(from.points, *scratch, kept, &to->points);
+    to->points.insert(to->points.end(), made.begin(), made.end());
+    cutEdges.Close(plane.face, to->points, &to->edges);
 }
 
 void qcClipSolid_Triangulate(qcClipSolid* solid, qcFacetedMesh* mesh, qcClipScratch* scratch)

@@ -6,6 +6,13 @@
 #include "fracture/faceted_mesh.h"
 #include "fracture/open_edges.h"
 
+/// An edge that a plane crosses: its ends in the solid that is cut, and its index in the one that is made.
+struct qcCrossedEdge
+{
+    uint32_t from, to;
+    size_t kept;
+};
+
 /// The edge that closes a face cut by a plane: the points where the face first leaves and first enters the inside.
 struct qcCutEdge
 {
@@ -43,7 +50,9 @@ struct qcClipScratch
     std::vector<uint32_t> newIndices;             ///< by point
     //  Cuts.
     std::vector<double> sides;
-    std::vector<qcClipPoint> points;
+    std::vector<qcClipPoint> points;         ///< that the plane makes
+    std::vector<qcCrossedEdge> crossedEdges; ///< the first crossedCount
+    size_t crossedCount = 0;
     std::vector<qcCutEdge> cutEdges;
     std::vector<uint32_t> cutEdgeOf; ///< by face
     std::vector<qcCutPoint> extraPoints;

@@ -205,6 +205,40 @@ std::array<std::vector<size_t>, 2> Halve(const std::vector<qcFractureCell>& cell
                      { return std::make_pair(centre(a, longest), a) < std::make_pair(centre(b, longest), b); });
     return {std::vector<size_t>(some.begin(), middle), std::vector<size_t>(middle, some.end())};
 }
+
+struct Distribution
+{
+    const std::vector<qcFractureCell>& cells;
+    uint32_t firstFace;
+    const std::function<void(size_t cell, const qcClipSolid& solid, qcClipScratch* scratch)>& take;
+
+    /// The first or the second half of a portion. A portion of one cell is its own second half.
+    Portion Half(const Portion& portion, size_t which, qcClipScratch* scratch) const
+    {
+        if (portion.cells.size() == 1)
+            return which == 0 ? Portion() : portion;
+        Portion half;
+        half.cells = Halve(cells, portion.cells)[which];
+        ClipToBox(portion.solid, BoxOf(cells, half.cells), firstFace, scratch, &half.solid);
+        return half;
+    }
+
+    /// Halves some cells and their solid down to single cells, depth first: little memory is in use at once.
+    void Descend(const std::vector<size_t>& some, const qcClipSolid& solid, qcClipScratch* scratch) const
+    {
+        if (some.size() == 1)
+        {
+            take(some[0], solid, scratch);
+            return;
+        }
+        qcClipSolid half;
+        for (const std::vector<size_t>& part : Halve(cells, some))
+        {
+            ClipToBox(solid, BoxOf(cells, part), firstFace, scratch, &half);
+            Descend(part, half, scratch);
+        }
+    }
+};
 } // namespace
 
 std::vector<qcFractureCell> qcFindFractureCells(const std::vector<qcClipPoint>& mesh,
@@ -226,27 +260,24 @@ std::vector<qcFractureCell> qcFindFractureCells(const std::vector<qcClipPoint>& 
 void qcDistributeSolid(qcClipSolid solid, const std::vector<qcFractureCell>& cells, uint32_t firstFace,
                        const std::function<void(size_t cell, const qcClipSolid& solid, qcClipScratch* scratch)>& take)
 {
+    constexpr size_t portionsOfWorker = 8;
+    size_t workers = qcGetWorkerCount();
+    size_t enough = std::min(workers > 1 ? portionsOfWorker * workers : 1, cells.size());
+    Distribution distribution = {cells, firstFace, take};
     std::vector<Portion> portions(1);
     portions[0].cells.resize(cells.size());
     std::iota(portions[0].cells.begin(), portions[0].cells.end(), size_t(0));
     portions[0].solid = std::move(solid);
-    while (!portions.empty())
+    while (portions.size() < enough)
     {
         std::vector<Portion> halves(2 * portions.size());
-        auto halve = [&](size_t i, qcClipScratch* scratch)
-        {
-            const Portion& portion = portions[i / 2];
-            if (portion.cells.size() == 1 && i % 2 == 0)
-                take(portion.cells[0], portion.solid, scratch);
-            if (portion.cells.size() == 1)
-                return;
-            halves[i].cells = std::move(Halve(cells, portion.cells)[i % 2]);
-            ClipToBox(portion.solid, BoxOf(cells, halves[i].cells), firstFace, scratch, &halves[i].solid);
-        };
-        qcForEachInParallel(halves.size(), halve);
+        qcForEachInParallel(halves.size(), [&](size_t i, qcClipScratch* scratch)
+                            { halves[i] = distribution.Half(portions[i / 2], i % 2, scratch); });
         halves.erase(
             std::remove_if(halves.begin(), halves.end(), [](const Portion& portion) { return portion.cells.empty(); }),
             halves.end());
         portions = std::move(halves);
     }
+    qcForEachInParallel(portions.size(), [&](size_t i, qcClipScratch* scratch)
+                        { distribution.Descend(portions[i].cells, portions[i].solid, scratch); });
 }
