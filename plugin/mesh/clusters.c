@@ -223,6 +223,12 @@ qcStatus qcClusters_Arrange(qcClusters* clusters, const uint32_t* indices, uint3
     return status;
 }
 
+qcStatus qcClusters_CopyOrder(qcClusters* clusters, const qcClusters* other)
+{
+    *clusters = (qcClusters){.nodeCount = other->nodeCount, .hasHub = other->hasHub};
+    return qcArray_Append(&clusters->triangles, &other->triangles, sizeof(uint32_t), "nodes of triangles");
+}
+
 qcStatus qcClusters_Complete(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount,
                              const double* positions, uint32_t vertexCount, const qcOrderOptions* options)
 {

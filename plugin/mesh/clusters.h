@@ -54,6 +54,9 @@ typedef struct qcClusters
 /// O(triangles log triangles). On failure nothing is left.
 qcStatus qcClusters_Arrange(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount,
                             const double* positions, uint32_t vertexCount, const qcOrderOptions* options);
+/// Takes over the nodes of clusters of the same triangles, which are not limited; no links yet. On failure nothing is
+/// left.
+qcStatus qcClusters_CopyOrder(qcClusters* clusters, const qcClusters* other);
 /// Adds the triangles that limited clusters lack; slots of the others stay. options.region is around the mesh, and need
 /// not be that of before. On failure nothing is left.
 qcStatus qcClusters_Complete(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount,

@@ -363,8 +363,9 @@ void qcBvhCandidates_Free(qcBvhCandidates* sweep)
         qcBvhScratch_Free(&QC_AT(qcBvhScratch, sweep->refitScratch, i));
     qcBvhPairs_Free(&sweep->pairs);
     qcVerletList_Free(&sweep->verletList);
-    qcArray* arrays[] = {&sweep->bvhs, &sweep->tasks, &sweep->results, &sweep->refitScratch, &sweep->partlyRefitted,
-                         &sweep->jobs, &sweep->sides, &sweep->visited, &sweep->firstVisited};
+    qcArray* arrays[] = {&sweep->bvhs,    &sweep->tasks,        &sweep->keys,           &sweep->sorted,
+                         &sweep->results, &sweep->refitScratch, &sweep->partlyRefitted, &sweep->jobs,
+                         &sweep->sides,   &sweep->visited,      &sweep->firstVisited};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }

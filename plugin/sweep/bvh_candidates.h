@@ -12,6 +12,10 @@ typedef struct qcRefitTask
 {
     uint32_t body;
     bool upToDate;
+    //  A build's: see sweep/copied_orders.h.
+    uint32_t order; ///< the body whose cluster order is taken over if it suits; the same body: none
+    bool isCopied;  ///< others may take over the order, which has to be that of all triangles
+    bool waits;     ///< the order is made in this step
 } qcRefitTask;
 
 /// BVHs of the bodies, and scratch; retained between steps.
@@ -25,6 +29,8 @@ typedef struct qcBvhCandidates
     uint64_t refittedTriangles, partlyRefittedTriangles;
     //  Scratch.
     qcArray tasks;        ///< of qcRefitTask
+    qcArray keys;         ///< of qcSortItem: bodies by qcBvhCopy_KeyOf
+    qcArray sorted;       ///< for sorting them
     qcArray results;      ///< of qcWorkerResult, one a worker
     qcArray refitScratch; ///< of qcBvhScratch, one a worker
     qcBvhPairs pairs;

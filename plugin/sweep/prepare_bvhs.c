@@ -2,8 +2,9 @@
 #include "base/parallel_for.h"
 #include "base/status.h"
 #include "scene/float_positions.h"
+#include "sweep/bvh/bvh_copy.h"
 #include "sweep/bvh/partial_refit.h"
-#include "sweep/bvh_candidates.h"
+#include "sweep/copied_orders.h"
 
 enum
 {
@@ -12,6 +13,9 @@ enum
     // The topology of a body may not live for many steps. Its adjacency, which costs several searches, is built from
     // this search on.
     qc_searchesBefore = 2,
+    // Steps over which copies make the lists of their outlines (8 bunnies of 69 666 triangles: all in the second step
+    // 6 ms, spread out 1 ms in each).
+    qc_outlineSteps = 8,
     // Triangles of a body whose order takes several times as long as finding those in a region.
     qc_minLimited = 1024
 };
@@ -54,6 +58,7 @@ typedef struct Tasks
 {
     qcBvhCandidates* sweep;
     const qcBvhCandidatesJob* job;
+    size_t first;     ///< that is run
     double maxMargin; ///< of the bodies whose boxes need one
     uint32_t threads; ///< of each task
 } Tasks;
@@ -63,11 +68,18 @@ static qcRefitTask* TaskAt(const qcBvhCandidates* sweep, size_t i)
     return &QC_AT(qcRefitTask, sweep->tasks, i);
 }
 
+static void SwapTasks(const qcBvhCandidates* sweep, size_t i, size_t k)
+{
+    qcRefitTask task = *TaskAt(sweep, i);
+    *TaskAt(sweep, i) = *TaskAt(sweep, k);
+    *TaskAt(sweep, k) = task;
+}
+
 static qcStatus AddTask(qcBvhCandidates* sweep, uint32_t body)
 {
     size_t at = sweep->tasks.count;
     QC_TRY(qcArray_Resize(&sweep->tasks, at + 1, sizeof(qcRefitTask), "BVHs"));
-    *TaskAt(sweep, at) = (qcRefitTask){.body = body};
+    *TaskAt(sweep, at) = (qcRefitTask){.body = body, .order = body};
     return qc_statusOk;
 }
 
@@ -149,28 +161,45 @@ static bool NeedsOrder(const qcTriangleBvh* bvh)
     return bvh->leavesRegion || qcTriangleBvh_HasGrown(bvh);
 }
 
+/// The BVH whose order a task's body takes over, or null.
+static const qcTriangleBvh* FindOrder(const Tasks* tasks, const qcRefitTask* task, const qcBody* body)
+{
+    const qcStepTriangles* triangles = tasks->job->triangles;
+    if (task->order == task->body)
+        return NULL;
+    const qcTriangleBvh* bvh = &qcBvhCandidates_At(tasks->sweep, qcStepTriangles_Slot(triangles, task->order))->bvh;
+    return qcBvhCopy_Suits(bvh, qcStepTriangles_Body(triangles, task->order), body) ? bvh : NULL;
+}
+
 /// Builds the BVH of a body that has none, or adds what a limited one lacks.
-static qcStatus BuildNew(const Tasks* tasks, uint32_t number, bool isFirst, qcBodyBvh* bvh)
+static qcStatus BuildNew(const Tasks* tasks, const qcRefitTask* task, bool isFirst, qcBodyBvh* bvh)
 {
     qcBvhRegion region;
-    const qcBody* body = qcStepTriangles_Body(tasks->job->triangles, number);
+    const qcBody* body = qcStepTriangles_Body(tasks->job->triangles, task->body);
     qcFloatPositions_Convert(body);
     const qcOrderOptions options = {tasks->threads, &region.cells};
     if (bvh->bvh.leavesRegion && !qcBody_HasSelfCollision(body) && qcBvhRegion_Begin(&region, body))
         return qcTriangleBvh_Complete(&bvh->bvh, body, &options);
     qcBodyBvh_Free(bvh);
-    return qcBodyBvh_Build(bvh, body, isFirst && FindRegion(tasks->job, number, &region) ? &region : NULL,
-                           tasks->threads);
+    const qcTriangleBvh* order = FindOrder(tasks, task, body);
+    if (order != NULL)
+    {
+        QC_TRY(qcBodyBvh_BuildLike(bvh, body, order, tasks->threads));
+        bvh->bvh.wholeFits = (uint32_t)(task - TaskAt(tasks->sweep, 0)) % qc_outlineSteps;
+        return qc_statusOk;
+    }
+    bool isLimited = isFirst && !task->isCopied && FindRegion(tasks->job, task->body, &region);
+    return qcBodyBvh_Build(bvh, body, isLimited ? &region : NULL, tasks->threads);
 }
 
 static void BuildOne(void* context, size_t i, uint32_t worker)
 {
     const Tasks* tasks = context;
-    const qcRefitTask* task = TaskAt(tasks->sweep, i);
+    const qcRefitTask* task = TaskAt(tasks->sweep, tasks->first + i);
     qcBodyBvh* bvh = qcBvhCandidates_At(tasks->sweep, qcStepTriangles_Slot(tasks->job->triangles, task->body));
     bool isFirst = bvh->bvh.generation == 0;
     if (isFirst || NeedsOrder(&bvh->bvh))
-        AddResult(tasks->sweep, worker, BuildNew(tasks, task->body, isFirst, bvh));
+        AddResult(tasks->sweep, worker, BuildNew(tasks, task, isFirst, bvh));
     else if (!qcBodyBvh_FindsSelfPairs(bvh))
         AddResult(tasks->sweep, worker, qcBodyBvh_PrepareSelf(bvh, tasks->threads));
     else
@@ -186,11 +215,31 @@ static bool NeedsBuild(const qcBodyBvh* bvh, const qcBody* body)
            (!qcBodyBvh_FindsSelfPairs(bvh) || bvh->searches >= qc_searchesBefore);
 }
 
+/// Puts tasks that wait for others behind these. Returns how many don't wait.
+static size_t QueueWaiting(const qcBvhCandidates* sweep)
+{
+    size_t now = 0;
+    for (size_t i = 0; i < sweep->tasks.count; i++)
+        if (!TaskAt(sweep, i)->waits)
+            SwapTasks(sweep, i, now++);
+    return now;
+}
+
+/// Runs tasks: several side by side, or one by all threads.
+static qcStatus BuildAll(const qcBvhCandidatesJob* job, qcBvhCandidates* sweep, size_t first, size_t end)
+{
+    uint32_t threads = job->threads;
+    size_t count = end - first;
+    QC_TRY(qcWorkerResults_Begin(&sweep->results, threads, sizeof(qcWorkerResult), "BVHs"));
+    Tasks tasks = {.sweep = sweep, .job = job, .first = first, .threads = count == 1 ? threads : 1};
+    qcParallel_For(count == 1 ? 1 : threads, count, 2, BuildOne, &tasks);
+    return qcWorkerResults_End(&sweep->results, sizeof(qcWorkerResult));
+}
+
 /// Builds the flagged BVHs that don't exist yet, and the adjacency of those whose body has lived for some steps.
 static qcStatus BuildBvhs(const qcBvhCandidatesJob* job, const uint8_t* flags, qcBvhCandidates* sweep)
 {
     const qcStepTriangles* triangles = job->triangles;
-    uint32_t threads = job->threads;
     sweep->tasks.count = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
@@ -198,12 +247,10 @@ static qcStatus BuildBvhs(const qcBvhCandidatesJob* job, const uint8_t* flags, q
         if (flags[body] && NeedsBuild(bvh, qcStepTriangles_Body(triangles, body)))
             QC_TRY(AddTask(sweep, body));
     }
-    QC_TRY(qcWorkerResults_Begin(&sweep->results, threads, sizeof(qcWorkerResult), "BVHs"));
-    // Several side by side, or one by all threads.
-    size_t count = sweep->tasks.count;
-    Tasks tasks = {.sweep = sweep, .job = job, .threads = count == 1 ? threads : 1};
-    qcParallel_For(count == 1 ? 1 : threads, count, 2, BuildOne, &tasks);
-    return qcWorkerResults_End(&sweep->results, sizeof(qcWorkerResult));
+    QC_TRY(qcCopiedOrders_Find(triangles, sweep));
+    size_t now = QueueWaiting(sweep);
+    QC_TRY(BuildAll(job, sweep, 0, now));
+    return BuildAll(job, sweep, now, sweep->tasks.count);
 }
 
 /// The largest margin of the flagged bodies that aren't fitted in local coordinates.
@@ -323,7 +370,7 @@ static qcStatus RefitBvhs(const qcBvhCandidatesJob* job, qcBvhCandidates* sweep,
     QC_TRY(QueueRefits(job, flags, maxMargin, sweep));
     uint64_t left = sweep->refittedTriangles;
     uint64_t large = left / (4 * (uint64_t)threads);
-    Tasks tasks = {sweep, job, maxMargin, threads};
+    Tasks tasks = {.sweep = sweep, .job = job, .maxMargin = maxMargin, .threads = threads};
     size_t small = 0;
     for (size_t i = 0; i < sweep->tasks.count; i++)
     {
@@ -334,9 +381,7 @@ static qcStatus RefitBvhs(const qcBvhCandidatesJob* job, qcBvhCandidates* sweep,
             left -= count;
             continue;
         }
-        qcRefitTask done = *TaskAt(sweep, small);
-        *TaskAt(sweep, small++) = *TaskAt(sweep, i);
-        *TaskAt(sweep, i) = done;
+        SwapTasks(sweep, i, small++);
     }
     tasks.threads = 1;
     qcParallel_For(left > qc_smallBody ? threads : 1, small, 2, RefitOne, &tasks);

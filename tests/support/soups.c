@@ -96,6 +96,18 @@ void qcSoup_Translate(qcSoup* soup, double x, double y, double z)
     }
 }
 
+void qcSoup_RotateTriangles(qcSoup* soup, uint32_t count)
+{
+    size_t moved = 3 * (size_t)count, kept = 3 * (size_t)(soup->triangleCount - count);
+    uint32_t* first = malloc((moved + 1) * sizeof(uint32_t));
+    if (first == NULL)
+        abort();
+    memcpy(first, soup->indices, moved * sizeof(uint32_t));
+    memmove(soup->indices, soup->indices + moved, kept * sizeof(uint32_t));
+    memcpy(soup->indices + kept, first, moved * sizeof(uint32_t));
+    free(first);
+}
+
 static void FillRandom(qcSoup* soup, qcRandom* random, double size)
 {
     for (uint32_t t = 0; t < soup->triangleCount; ++t)

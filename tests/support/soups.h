@@ -51,6 +51,9 @@ void qcSoup_RoundToFloat(qcSoup* soup);
 /// Translates every vertex.
 void qcSoup_Translate(qcSoup* soup, double x, double y, double z);
 
+/// Moves the first triangles behind the others.
+void qcSoup_RotateTriangles(qcSoup* soup, uint32_t count);
+
 /// Triangles in general position, corners at most `size` (per axis) from a centre in the unit box; no shared
 /// vertices.
 qcSoup qcSoup_MakeRandom(uint64_t seed, uint32_t triangleCount, double size);

@@ -17,7 +17,8 @@ enum
 
 //  ---- scenes --------------------------------------------------------------------------------------
 
-/// A row of upright crumpled sheets, each of which meets the next one in a strip.
+/// A row of upright crumpled sheets, each of which meets the next one in a strip. Each begins with another triangle:
+/// copies would be put in order as a whole.
 typedef struct Row
 {
     qcScene* scene;
@@ -48,6 +49,7 @@ static Row MakeRow(bool asFloats)
             lower[k % 3] = fmin(lower[k % 3], row.sheets[i].positions[k]);
             upper[k % 3] = fmax(upper[k % 3], row.sheets[i].positions[k]);
         }
+        qcSoup_RotateTriangles(&row.sheets[i], i);
         qcSoup_Translate(&row.sheets[i], i * 0.8 * (upper[0] - lower[0]), 0.0, 0.0);
         qcBodyDef def = qcBodyDefOf(&row.sheets[i]);
         def.deforming = true;

@@ -123,6 +123,16 @@ qcStatus qcBodyBvh_PrepareSelf(qcBodyBvh* bodyBvh, uint32_t threads)
     return qcClusters_ListVertices(&bvh->clusters, bvh->corners.data, bvh->vertexCount, threads, &bodyBvh->vertices);
 }
 
+/// All besides the BVH. `status`: of its build.
+static qcStatus EndBuild(qcStatus status, const qcBody* body, uint32_t threads, qcBodyBvh* bodyBvh)
+{
+    if (status == qc_statusOk && qcBody_HasSelfCollision(body))
+        status = qcBodyBvh_PrepareSelf(bodyBvh, threads);
+    if (status != qc_statusOk)
+        qcBodyBvh_Free(bodyBvh);
+    return status;
+}
+
 qcStatus qcBodyBvh_Build(qcBodyBvh* bodyBvh, const qcBody* body, const qcBvhRegion* region, uint32_t threads)
 {
     *bodyBvh = (qcBodyBvh){.hasAdjacency = false};
@@ -130,11 +140,13 @@ qcStatus qcBodyBvh_Build(qcBodyBvh* bodyBvh, const qcBody* body, const qcBvhRegi
     qcStatus status = qcTriangleBvh_Build(&bodyBvh->bvh, body, &options);
     if (status == qc_statusOk && region != NULL)
         status = qcTriangleBvh_KeepRegion(&bodyBvh->bvh, body, region);
-    if (status == qc_statusOk && qcBody_HasSelfCollision(body))
-        status = qcBodyBvh_PrepareSelf(bodyBvh, threads);
-    if (status != qc_statusOk)
-        qcBodyBvh_Free(bodyBvh);
-    return status;
+    return EndBuild(status, body, threads, bodyBvh);
+}
+
+qcStatus qcBodyBvh_BuildLike(qcBodyBvh* bodyBvh, const qcBody* body, const qcTriangleBvh* other, uint32_t threads)
+{
+    *bodyBvh = (qcBodyBvh){.hasAdjacency = false};
+    return EndBuild(qcTriangleBvh_BuildLike(&bodyBvh->bvh, body, other), body, threads, bodyBvh);
 }
 
 qcStatus qcBodyBvh_MakeFans(qcBodyBvh* bodyBvh)

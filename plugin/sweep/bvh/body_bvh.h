@@ -45,6 +45,9 @@ typedef struct qcBodyBvh
 /// come; null: anywhere, as for a body with self-collision. O(triangles log triangles). On failure nothing is left.
 qcStatus qcBodyBvh_Build(qcBodyBvh* bodyBvh, const qcBody* body, const qcBvhRegion* region, uint32_t threads);
 
+/// Like qcBodyBvh_Build without a region, by qcTriangleBvh_BuildLike.
+qcStatus qcBodyBvh_BuildLike(qcBodyBvh* bodyBvh, const qcBody* body, const qcTriangleBvh* other, uint32_t threads);
+
 /// Makes the BVH ready for self pairs: lists the vertices of clusters, or builds the adjacency where a vertex has so
 /// many triangles that pair masks have to be shared. O(triangles).
 qcStatus qcBodyBvh_PrepareSelf(qcBodyBvh* bodyBvh, uint32_t threads);

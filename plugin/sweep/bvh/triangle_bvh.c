@@ -54,16 +54,22 @@ static qcStatus AllocateFit(const qcTriangleBvh* bvh, qcBvhFit* fit)
     return qc_statusOk;
 }
 
-/// All that follows from the clusters.
-static qcStatus LayOut(qcTriangleBvh* bvh, const qcBody* body, uint32_t threads)
+/// All that follows from the clusters and the numbers of vertices.
+static qcStatus LayBoxes(qcTriangleBvh* bvh, const qcBody* body)
 {
-    QC_TRY(qcClusters_NumberVertices(&bvh->clusters, body->indices, body->vertexCount, threads, &bvh->corners,
-                                     &bvh->vertexOf));
     bvh->vertexCount = (uint32_t)bvh->vertexOf.count;
     LayLevels(bvh);
     QC_TRY(AllocateFit(bvh, &bvh->fit));
     bvh->generation = body->generation;
     return qc_statusOk;
+}
+
+/// All that follows from the clusters.
+static qcStatus LayOut(qcTriangleBvh* bvh, const qcBody* body, uint32_t threads)
+{
+    QC_TRY(qcClusters_NumberVertices(&bvh->clusters, body->indices, body->vertexCount, threads, &bvh->corners,
+                                     &bvh->vertexOf));
+    return LayBoxes(bvh, body);
 }
 
 static qcStatus Build(qcTriangleBvh* bvh, const qcBody* body, const qcOrderOptions* options)
@@ -77,6 +83,23 @@ qcStatus qcTriangleBvh_Build(qcTriangleBvh* bvh, const qcBody* body, const qcOrd
 {
     *bvh = (qcTriangleBvh){0};
     qcStatus status = Build(bvh, body, options);
+    if (status != qc_statusOk)
+        qcTriangleBvh_Free(bvh);
+    return status;
+}
+
+static qcStatus BuildLike(qcTriangleBvh* bvh, const qcBody* body, const qcTriangleBvh* other)
+{
+    QC_TRY(qcClusters_CopyOrder(&bvh->clusters, &other->clusters));
+    QC_TRY(qcArray_Append(&bvh->corners, &other->corners, sizeof(qcCorners), "vertices of nodes"));
+    QC_TRY(qcArray_Append(&bvh->vertexOf, &other->vertexOf, sizeof(uint32_t), "vertices of nodes"));
+    return LayBoxes(bvh, body);
+}
+
+qcStatus qcTriangleBvh_BuildLike(qcTriangleBvh* bvh, const qcBody* body, const qcTriangleBvh* other)
+{
+    *bvh = (qcTriangleBvh){0};
+    qcStatus status = BuildLike(bvh, body, other);
     if (status != qc_statusOk)
         qcTriangleBvh_Free(bvh);
     return status;

@@ -77,6 +77,9 @@ typedef struct qcBvhScratch
 /// For a body with triangles; options.region, if it is not null, is that of a qcBvhRegion. O(triangles log triangles).
 /// On failure nothing is left.
 qcStatus qcTriangleBvh_Build(qcTriangleBvh* bvh, const qcBody* body, const qcOrderOptions* options);
+/// Like qcTriangleBvh_Build, in the order of another body's BVH, which suits the body (sweep/bvh/bvh_copy.h) and has no
+/// region. O(triangles), at the speed of memory.
+qcStatus qcTriangleBvh_BuildLike(qcTriangleBvh* bvh, const qcBody* body, const qcTriangleBvh* other);
 /// Keeps the region that the BVH was built for, at the same positions, if it is limited to it.
 qcStatus qcTriangleBvh_KeepRegion(qcTriangleBvh* bvh, const qcBody* body, const qcBvhRegion* region);
 
