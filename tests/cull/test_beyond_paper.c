@@ -377,9 +377,9 @@ START_TEST(reliable_culling_leaves_self_collision_to_the_sweep)
 }
 END_TEST
 
-QC_RUN_TESTS("beyond_paper", back_to_front_one_round_prunes_a_stack_in_any_order,
-             a_second_pass_from_the_back_prunes_primitives_fully_behind, each_view_has_its_own_order,
-             reliable_culling_finds_all_pairs_of_the_sweep_and_no_other,
-             reliable_culling_finds_all_pairs_within_the_margin,
-             reliable_culling_finds_pairs_between_the_samples_at_every_resolution,
-             reliable_culling_leaves_self_collision_to_the_sweep)
+QC_RUN_TESTS_ON_DEVICES("beyond_paper", back_to_front_one_round_prunes_a_stack_in_any_order,
+                        a_second_pass_from_the_back_prunes_primitives_fully_behind, each_view_has_its_own_order,
+                        reliable_culling_finds_all_pairs_of_the_sweep_and_no_other,
+                        reliable_culling_finds_all_pairs_within_the_margin,
+                        reliable_culling_finds_pairs_between_the_samples_at_every_resolution,
+                        reliable_culling_leaves_self_collision_to_the_sweep)

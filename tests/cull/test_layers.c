@@ -504,10 +504,11 @@ START_TEST(cells_are_about_as_large_as_the_nodes_in_them)
 }
 END_TEST
 
-QC_RUN_TESTS("layers", a_collapsing_scene_reruns_its_step_once, only_changed_bodies_are_uploaded,
-             without_compute_shaders_the_sweep_runs_and_the_profile_names_it,
-             a_scene_beyond_the_frame_or_the_loops_is_swept_and_the_next_step_uses_the_device_again,
-             empty_scenes_points_and_degenerate_triangles_have_the_pairs_of_the_sweep,
-             a_margin_as_wide_as_the_scene_finds_all_pairs_and_no_padding,
-             two_scenes_share_a_device_in_turn_and_on_two_threads,
-             the_pairs_do_not_depend_on_device_columns_or_depth_axis, cells_are_about_as_large_as_the_nodes_in_them)
+QC_RUN_TESTS_ON_DEVICES("layers", a_collapsing_scene_reruns_its_step_once, only_changed_bodies_are_uploaded,
+                        without_compute_shaders_the_sweep_runs_and_the_profile_names_it,
+                        a_scene_beyond_the_frame_or_the_loops_is_swept_and_the_next_step_uses_the_device_again,
+                        empty_scenes_points_and_degenerate_triangles_have_the_pairs_of_the_sweep,
+                        a_margin_as_wide_as_the_scene_finds_all_pairs_and_no_padding,
+                        two_scenes_share_a_device_in_turn_and_on_two_threads,
+                        the_pairs_do_not_depend_on_device_columns_or_depth_axis,
+                        cells_are_about_as_large_as_the_nodes_in_them)

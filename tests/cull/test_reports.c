@@ -268,7 +268,8 @@ START_TEST(a_profiler_receives_the_stages_in_order)
 }
 END_TEST
 
-QC_RUN_TESTS("reports", the_sets_are_disjoint_and_their_union_is_the_pcs,
-             no_candidate_lies_within_one_collision_free_set, candidates_are_sorted_and_contain_every_pair_and_the_pcs,
-             candidates_for_contacts_are_candidates_without_neighbours,
-             what_is_not_requested_is_null_and_changes_nothing, a_profiler_receives_the_stages_in_order)
+QC_RUN_TESTS_ON_DEVICES("reports", the_sets_are_disjoint_and_their_union_is_the_pcs,
+                        no_candidate_lies_within_one_collision_free_set,
+                        candidates_are_sorted_and_contain_every_pair_and_the_pcs,
+                        candidates_for_contacts_are_candidates_without_neighbours,
+                        what_is_not_requested_is_null_and_changes_nothing, a_profiler_receives_the_stages_in_order)

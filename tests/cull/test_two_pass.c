@@ -386,12 +386,12 @@ START_TEST(two_scenes_share_one_device)
 }
 END_TEST
 
-QC_RUN_TESTS("visibility culling", the_nearer_of_two_objects_is_pruned_in_the_first_view,
-             objects_side_by_side_are_pruned_in_the_first_view, quick_prunes_a_cycle_that_stops_cullide,
-             a_pair_inside_one_collision_free_set_is_not_swept, sets_save_queries_and_renders,
-             crossing_objects_stay_and_their_pair_is_found,
-             neighbours_that_share_an_edge_are_fully_visible_for_self_collision,
-             triangles_that_cross_within_one_object_are_found,
-             quick_keeps_a_subset_of_cullide_and_reports_only_real_pairs,
-             many_objects_keep_the_invariants_at_both_levels, without_gl_the_sweep_runs_and_the_profile_names_it,
-             two_scenes_share_one_device)
+QC_RUN_TESTS_ON_DEVICES("visibility culling", the_nearer_of_two_objects_is_pruned_in_the_first_view,
+                        objects_side_by_side_are_pruned_in_the_first_view, quick_prunes_a_cycle_that_stops_cullide,
+                        a_pair_inside_one_collision_free_set_is_not_swept, sets_save_queries_and_renders,
+                        crossing_objects_stay_and_their_pair_is_found,
+                        neighbours_that_share_an_edge_are_fully_visible_for_self_collision,
+                        triangles_that_cross_within_one_object_are_found,
+                        quick_keeps_a_subset_of_cullide_and_reports_only_real_pairs,
+                        many_objects_keep_the_invariants_at_both_levels,
+                        without_gl_the_sweep_runs_and_the_profile_names_it, two_scenes_share_one_device)

@@ -237,5 +237,7 @@ START_TEST(a_limit_of_4_gib_is_not_read_as_negative)
 }
 END_TEST
 
-QC_RUN_TESTS("conforming drivers", a_driver_that_flushes_denormals_loses_no_pair, an_axis_has_one_value_in_all_products,
-             occlusion_queries_have_a_complete_framebuffer_below_gl_4_1, a_limit_of_4_gib_is_not_read_as_negative)
+QC_RUN_TESTS_ON_DEVICES("conforming drivers", a_driver_that_flushes_denormals_loses_no_pair,
+                        an_axis_has_one_value_in_all_products,
+                        occlusion_queries_have_a_complete_framebuffer_below_gl_4_1,
+                        a_limit_of_4_gib_is_not_read_as_negative)

@@ -580,14 +580,15 @@ START_TEST(devices_on_several_threads_do_not_disturb_each_other)
 }
 END_TEST
 
-QC_RUN_TESTS("device", a_named_kind_opens_or_gives_a_reason, the_device_none_always_opens_and_has_no_gl,
-             auto_opens_the_first_kind_that_works_and_logs_the_others,
-             auto_prefers_surfaceless_where_the_environment_names_a_driver, osmesa_refuses_drivers_that_it_crashes_with,
-             a_bad_definition_is_refused_by_name, a_gpu_is_chosen_by_number_by_name_and_by_uuid,
-             a_device_that_is_reopened_draws_again, a_device_that_does_not_reopen_stays_lost_until_it_does,
-             software_devices_are_identified, a_device_without_memory_fails_with_a_status,
-             devices_open_and_close_many_times_and_side_by_side, a_job_finds_a_context_of_gl_3_3_or_more,
-             status_and_message_of_a_job_reach_the_caller, a_gl_error_is_a_status_and_the_device_goes_on,
-             gl_errors_have_names, a_job_finds_the_initial_state,
-             many_callers_are_served_one_after_another_each_with_its_own_message,
-             devices_on_several_threads_do_not_disturb_each_other)
+QC_RUN_TESTS_ON_DEVICES("device", a_named_kind_opens_or_gives_a_reason, the_device_none_always_opens_and_has_no_gl,
+                        auto_opens_the_first_kind_that_works_and_logs_the_others,
+                        auto_prefers_surfaceless_where_the_environment_names_a_driver,
+                        osmesa_refuses_drivers_that_it_crashes_with, a_bad_definition_is_refused_by_name,
+                        a_gpu_is_chosen_by_number_by_name_and_by_uuid, a_device_that_is_reopened_draws_again,
+                        a_device_that_does_not_reopen_stays_lost_until_it_does, software_devices_are_identified,
+                        a_device_without_memory_fails_with_a_status, devices_open_and_close_many_times_and_side_by_side,
+                        a_job_finds_a_context_of_gl_3_3_or_more, status_and_message_of_a_job_reach_the_caller,
+                        a_gl_error_is_a_status_and_the_device_goes_on, gl_errors_have_names,
+                        a_job_finds_the_initial_state,
+                        many_callers_are_served_one_after_another_each_with_its_own_message,
+                        devices_on_several_threads_do_not_disturb_each_other)

@@ -381,8 +381,9 @@ START_TEST(a_lost_device_is_reported_and_its_scenes_go_on_once_it_is_reopened)
 }
 END_TEST
 
-QC_RUN_TESTS("failing drivers", a_gl_error_between_two_allocations_is_reported,
-             a_readback_that_does_nothing_is_no_result, a_readback_that_is_refused_is_named_and_the_next_step_reads,
-             kernels_that_do_not_run_give_no_result, a_device_that_keeps_failing_is_tried_ever_less,
-             a_device_that_failed_is_tried_at_once_when_the_scene_is_of_another_size,
-             a_lost_device_is_reported_and_its_scenes_go_on_once_it_is_reopened)
+QC_RUN_TESTS_ON_DEVICES("failing drivers", a_gl_error_between_two_allocations_is_reported,
+                        a_readback_that_does_nothing_is_no_result,
+                        a_readback_that_is_refused_is_named_and_the_next_step_reads,
+                        kernels_that_do_not_run_give_no_result, a_device_that_keeps_failing_is_tried_ever_less,
+                        a_device_that_failed_is_tried_at_once_when_the_scene_is_of_another_size,
+                        a_lost_device_is_reported_and_its_scenes_go_on_once_it_is_reopened)

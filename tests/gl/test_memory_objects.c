@@ -276,6 +276,7 @@ START_TEST(mistakes_and_what_a_device_lacks_are_named)
 }
 END_TEST
 
-QC_RUN_TESTS("memory_objects",
-             imported_memory_has_the_pairs_of_the_cpu_also_where_its_end_is_reserved_or_a_run_is_dropped,
-             memory_that_is_not_imported_is_named_and_its_descriptor_closed, mistakes_and_what_a_device_lacks_are_named)
+QC_RUN_TESTS_ON_DEVICES("memory_objects",
+                        imported_memory_has_the_pairs_of_the_cpu_also_where_its_end_is_reserved_or_a_run_is_dropped,
+                        memory_that_is_not_imported_is_named_and_its_descriptor_closed,
+                        mistakes_and_what_a_device_lacks_are_named)

@@ -605,13 +605,14 @@ START_TEST(any_allocation_may_fail_and_the_next_pass_succeeds)
 }
 END_TEST
 
-QC_RUN_TESTS("occlusion queries", a_rendered_triangle_hides_only_triangles_behind_it,
-             crossing_triangles_hide_each_other_in_either_order, triangles_that_share_an_edge_do_not_hide_each_other,
-             equal_depth_hides_between_objects_and_not_within_one, both_orientations_of_a_triangle_are_drawn_and_tested,
-             a_triangle_to_the_side_stays_visible, an_empty_buffer_hides_nothing_not_even_the_farthest_depth,
-             a_test_sees_the_renders_before_it_and_none_after, a_test_alone_draws_nothing,
-             a_step_that_tests_and_renders_does_not_hide_itself, the_nearest_depth_is_kept,
-             one_hidden_triangle_hides_its_whole_object, a_step_without_triangles_is_visible_and_without_a_test_is_not,
-             a_triangle_without_area_is_visible, random_passes_agree_with_a_rasteriser_on_the_cpu_in_tiles_of_any_size,
-             over_a_thousand_queries_in_one_pass_lose_none, bad_resolutions_and_devices_are_refused,
-             any_allocation_may_fail_and_the_next_pass_succeeds)
+QC_RUN_TESTS_ON_DEVICES(
+    "occlusion queries", a_rendered_triangle_hides_only_triangles_behind_it,
+    crossing_triangles_hide_each_other_in_either_order, triangles_that_share_an_edge_do_not_hide_each_other,
+    equal_depth_hides_between_objects_and_not_within_one, both_orientations_of_a_triangle_are_drawn_and_tested,
+    a_triangle_to_the_side_stays_visible, an_empty_buffer_hides_nothing_not_even_the_farthest_depth,
+    a_test_sees_the_renders_before_it_and_none_after, a_test_alone_draws_nothing,
+    a_step_that_tests_and_renders_does_not_hide_itself, the_nearest_depth_is_kept,
+    one_hidden_triangle_hides_its_whole_object, a_step_without_triangles_is_visible_and_without_a_test_is_not,
+    a_triangle_without_area_is_visible, random_passes_agree_with_a_rasteriser_on_the_cpu_in_tiles_of_any_size,
+    over_a_thousand_queries_in_one_pass_lose_none, bad_resolutions_and_devices_are_refused,
+    any_allocation_may_fail_and_the_next_pass_succeeds)

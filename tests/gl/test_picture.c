@@ -434,9 +434,11 @@ START_TEST(a_bad_mesh_is_refused_by_number)
 }
 END_TEST
 
-QC_RUN_TESTS("picture", a_mesh_is_drawn_in_the_middle_and_background_in_the_corners, the_back_is_seen_from_behind,
-             marked_triangles_and_only_they_have_the_mark_colour, the_top_row_is_first_and_the_left_column_too,
-             the_nearer_mesh_hides_the_farther_one, edges_are_drawn_as_darker_lines, a_slanted_edge_is_antialiased,
-             smooth_shading_changes_within_a_triangle_flat_shading_does_not, a_picture_larger_than_a_tile_has_no_seam,
-             an_empty_picture_is_background, an_image_that_the_driver_refuses_is_named_and_the_next_picture_is_drawn,
-             a_bad_camera_is_refused_by_name, a_bad_mesh_is_refused_by_number)
+QC_RUN_TESTS_ON_DEVICES("picture", a_mesh_is_drawn_in_the_middle_and_background_in_the_corners,
+                        the_back_is_seen_from_behind, marked_triangles_and_only_they_have_the_mark_colour,
+                        the_top_row_is_first_and_the_left_column_too, the_nearer_mesh_hides_the_farther_one,
+                        edges_are_drawn_as_darker_lines, a_slanted_edge_is_antialiased,
+                        smooth_shading_changes_within_a_triangle_flat_shading_does_not,
+                        a_picture_larger_than_a_tile_has_no_seam, an_empty_picture_is_background,
+                        an_image_that_the_driver_refuses_is_named_and_the_next_picture_is_drawn,
+                        a_bad_camera_is_refused_by_name, a_bad_mesh_is_refused_by_number)

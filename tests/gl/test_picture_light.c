@@ -295,8 +295,8 @@ START_TEST(definitions_of_older_headers_are_drawn)
 }
 END_TEST
 
-QC_RUN_TESTS("picture_light", a_ground_ends_in_the_background, a_ground_above_the_eye_is_left_out,
-             a_mesh_shadows_the_ground_below_it_and_not_beside, a_shadow_begins_at_the_foot_of_what_casts_it,
-             a_plane_has_no_shadow_of_its_own_at_any_angle_of_light, a_mesh_that_lies_in_the_ground_hides_it,
-             a_steep_surface_hides_what_is_just_behind_it, the_picture_is_the_same_on_every_device,
-             definitions_of_older_headers_are_drawn)
+QC_RUN_TESTS_ON_DEVICES("picture_light", a_ground_ends_in_the_background, a_ground_above_the_eye_is_left_out,
+                        a_mesh_shadows_the_ground_below_it_and_not_beside, a_shadow_begins_at_the_foot_of_what_casts_it,
+                        a_plane_has_no_shadow_of_its_own_at_any_angle_of_light, a_mesh_that_lies_in_the_ground_hides_it,
+                        a_steep_surface_hides_what_is_just_behind_it, the_picture_is_the_same_on_every_device,
+                        definitions_of_older_headers_are_drawn)

@@ -565,8 +565,8 @@ START_TEST(the_environment_names_the_folder)
 }
 END_TEST
 
-QC_RUN_TESTS("program cache", a_second_start_compiles_nothing_and_finds_the_same_pairs,
-             damaged_files_are_compiled_anew_and_replaced, other_things_in_the_place_of_files_are_left_alone,
-             folders_that_cannot_be_written_disturb_nothing, a_full_disk_leaves_no_file_behind,
-             drivers_that_refuse_or_lack_binaries_compile, devices_that_start_at_once_share_a_folder,
-             the_environment_names_the_folder)
+QC_RUN_TESTS_ON_DEVICES("program cache", a_second_start_compiles_nothing_and_finds_the_same_pairs,
+                        damaged_files_are_compiled_anew_and_replaced, other_things_in_the_place_of_files_are_left_alone,
+                        folders_that_cannot_be_written_disturb_nothing, a_full_disk_leaves_no_file_behind,
+                        drivers_that_refuse_or_lack_binaries_compile, devices_that_start_at_once_share_a_folder,
+                        the_environment_names_the_folder)

@@ -272,8 +272,8 @@ START_TEST(pauses_double_up_to_a_limit_and_start_anew_after_a_healthy_time)
 }
 END_TEST
 
-QC_RUN_TESTS("reopening", a_lost_device_is_opened_again_while_the_cpu_answers,
-             a_device_that_nobody_uses_is_not_opened_again, below_0_only_the_caller_opens_the_device_again,
-             a_device_that_does_not_open_is_tried_until_it_does,
-             scenes_on_several_threads_find_all_pairs_while_their_device_comes_and_goes,
-             pauses_double_up_to_a_limit_and_start_anew_after_a_healthy_time)
+QC_RUN_TESTS_ON_DEVICES("reopening", a_lost_device_is_opened_again_while_the_cpu_answers,
+                        a_device_that_nobody_uses_is_not_opened_again, below_0_only_the_caller_opens_the_device_again,
+                        a_device_that_does_not_open_is_tried_until_it_does,
+                        scenes_on_several_threads_find_all_pairs_while_their_device_comes_and_goes,
+                        pauses_double_up_to_a_limit_and_start_anew_after_a_healthy_time)

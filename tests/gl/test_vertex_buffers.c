@@ -642,13 +642,14 @@ START_TEST(a_context_that_cannot_be_shared_is_refused_by_name)
 }
 END_TEST
 
-QC_RUN_TESTS("vertex buffers", a_buffer_gives_the_pairs_of_the_same_floats_and_no_vertex_is_uploaded,
-             segments_and_proximities_have_the_bits_of_the_cpus, steps_that_need_all_positions_read_them_back_once,
-             a_motion_is_that_of_the_cpu, a_cloth_of_denormal_floats_loses_no_pair,
-             a_position_that_is_not_finite_is_refused_and_changes_nothing,
-             bodies_come_go_and_change_between_the_cpu_and_the_device,
-             vertices_without_a_triangle_do_not_enlarge_the_image, pairs_written_to_a_buffer_are_those_of_the_result,
-             a_recording_has_the_positions_of_the_buffer,
-             each_failed_allocation_with_a_buffer_is_a_status_and_leaks_nothing,
-             a_reopened_device_has_lost_the_positions_until_they_are_set_anew, a_mistake_is_named,
-             a_context_that_cannot_be_shared_is_refused_by_name)
+QC_RUN_TESTS_ON_DEVICES("vertex buffers", a_buffer_gives_the_pairs_of_the_same_floats_and_no_vertex_is_uploaded,
+                        segments_and_proximities_have_the_bits_of_the_cpus,
+                        steps_that_need_all_positions_read_them_back_once, a_motion_is_that_of_the_cpu,
+                        a_cloth_of_denormal_floats_loses_no_pair,
+                        a_position_that_is_not_finite_is_refused_and_changes_nothing,
+                        bodies_come_go_and_change_between_the_cpu_and_the_device,
+                        vertices_without_a_triangle_do_not_enlarge_the_image,
+                        pairs_written_to_a_buffer_are_those_of_the_result, a_recording_has_the_positions_of_the_buffer,
+                        each_failed_allocation_with_a_buffer_is_a_status_and_leaks_nothing,
+                        a_reopened_device_has_lost_the_positions_until_they_are_set_anew, a_mistake_is_named,
+                        a_context_that_cannot_be_shared_is_refused_by_name)

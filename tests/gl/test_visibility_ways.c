@@ -537,9 +537,9 @@ START_TEST(scenes_have_the_same_pcs_each_way)
 }
 END_TEST
 
-QC_RUN_TESTS("visibility, each way", random_passes_have_the_same_results_each_way,
-             slivers_have_the_same_results_each_way, a_batch_of_thousands_of_tests_flags_the_right_ones,
-             triangles_of_any_size_have_the_same_results_each_way, what_is_prepared_serves_other_triangles,
-             equal_depths_of_dilated_triangles_hide_as_the_comparison_says, most_results_of_a_cloth_are_sure,
-             the_device_finds_what_the_processor_finds, counted_tests_of_a_cloth_need_one_batch,
-             scenes_have_the_same_pcs_each_way)
+QC_RUN_TESTS_ON_DEVICES("visibility, each way", random_passes_have_the_same_results_each_way,
+                        slivers_have_the_same_results_each_way, a_batch_of_thousands_of_tests_flags_the_right_ones,
+                        triangles_of_any_size_have_the_same_results_each_way, what_is_prepared_serves_other_triangles,
+                        equal_depths_of_dilated_triangles_hide_as_the_comparison_says, most_results_of_a_cloth_are_sure,
+                        the_device_finds_what_the_processor_finds, counted_tests_of_a_cloth_need_one_batch,
+                        scenes_have_the_same_pcs_each_way)

@@ -10,8 +10,10 @@
 
 #include "quickcullide/device.h"
 #include "support/long_form.h"
+#include "support/suite.h"
 
 #include <check.h>
+#include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -173,5 +175,22 @@ static inline bool qcDeviceWalk_Next(qcDeviceWalk* walk)
 #define QC_FOR_EACH_DEVICE(device)                                                                                     \
     for (qcDeviceWalk device##Walk = {0, {false, false, false, false}, NULL}; qcDeviceWalk_Next(&device##Walk);)       \
         for (qcDevice* device = device##Walk.device; device != NULL; device = NULL)
+
+/// Loads the software drivers with their compiler before the first test. Each test is a child of the program, and would
+/// load and relocate them again: a tenth of a second each time. A program with libraries of its own in their place
+/// doesn't call it.
+static inline void qcLoadDrivers(void)
+{
+    dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_LOCAL);
+    dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
+}
+
+/// QC_RUN_TESTS for tests several of which open devices.
+#define QC_RUN_TESTS_ON_DEVICES(name, ...)                                                                             \
+    QC_TEST_MAIN()                                                                                                     \
+    {                                                                                                                  \
+        qcLoadDrivers();                                                                                               \
+        QC_RUN_LISTED(name, __VA_ARGS__);                                                                              \
+    }
 
 #endif

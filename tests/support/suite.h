@@ -35,11 +35,14 @@ static inline int qcRunTests(const char* name, const TTest* const* tests, int co
     return qcRunSuite(suite);
 }
 
+#define QC_RUN_LISTED(name, ...)                                                                                       \
+    const TTest* const tests[] = {__VA_ARGS__};                                                                        \
+    return qcRunTests(name, tests, (int)(sizeof tests / sizeof tests[0]))
+
 #define QC_RUN_TESTS(name, ...)                                                                                        \
     QC_TEST_MAIN()                                                                                                     \
     {                                                                                                                  \
-        const TTest* const tests[] = {__VA_ARGS__};                                                                    \
-        return qcRunTests(name, tests, (int)(sizeof tests / sizeof tests[0]));                                         \
+        QC_RUN_LISTED(name, __VA_ARGS__);                                                                              \
     }
 
 #endif
