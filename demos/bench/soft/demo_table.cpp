@@ -16,7 +16,7 @@ namespace
 {
 constexpr int s_sides = 3; ///< of qcDemoContact
 
-struct Row
+struct DemoRow
 {
     const char* scene;
     size_t nodes;
@@ -31,7 +31,7 @@ double Median(std::vector<double> values)
     return *middle;
 }
 
-Row Measure(const qcDemoSceneDef& def, uint32_t steps)
+DemoRow Measure(const qcDemoSceneDef& def, uint32_t steps)
 {
     std::array<std::unique_ptr<qcDemoScene>, s_sides> scenes;
     std::vector<double> times[s_sides];
@@ -44,7 +44,7 @@ Row Measure(const qcDemoSceneDef& def, uint32_t steps)
             scenes[size_t(side)]->Step();
             times[side].push_back(qcStopwatch_NowMs() - start);
         }
-    Row row = {def.name, scenes[0]->NodeCount(), {}, {}};
+    DemoRow row = {def.name, scenes[0]->NodeCount(), {}, {}};
     for (int side = 0; side < s_sides; side++)
     {
         row.ms[side] = Median(times[side]);
@@ -63,7 +63,7 @@ void PrintHead()
                 "Bullet, ours, like Bullet");
 }
 
-void PrintRow(const Row& row)
+void PrintRow(const DemoRow& row)
 {
     std::printf("%-27s %6zu %8.3f %8.3f %6.2f %8.3f %6.2f  %.0f, %.0f, %.0f\n", row.scene, row.nodes, row.ms[0],
                 row.ms[1], row.ms[1] / row.ms[0], row.ms[2], row.ms[2] / row.ms[0], row.pairs[0], row.pairs[1],
@@ -82,7 +82,7 @@ bool qcDemoTable_Run(const char* folder, uint32_t steps, qcMessage* message)
     PrintHead();
     for (const qcDemoSceneDef& def : qcDemoScenes())
     {
-        Row row = Measure(def, steps);
+        DemoRow row = Measure(def, steps);
         PrintRow(row);
         qcFiles_WriteQuoted(output.stream, row.scene);
         std::fprintf(output.stream, ",%zu,%.6g,%.6g,%.6g,%.6g,%.6g,%.0f,%.0f,%.0f\n", row.nodes, row.ms[0], row.ms[1],
