@@ -131,10 +131,12 @@ find $top \( -name '*.c' -o -name '*.h' -o -name '*.cpp' \) -type f |
 
 TABLE=$table awk -v show="$show" -v top="$top" '
     function folder(path) { sub(/\/[^\/]*$/, "", path); return path }
-    function exists(path,    line, there) {
-        there = (getline line < path) >= 0
-        close(path)
-        return there
+    function exists(path,    line) {
+        if (!(path in known)) {
+            known[path] = (getline line < path) >= 0
+            close(path)
+        }
+        return known[path]
     }
     function complain(text) { print text; broken = 1 }
     # True if a row allows the folder: named, or below a name that ends in /...
@@ -251,24 +253,24 @@ include='^[[:space:]]*#[[:space:]]*include[[:space:]]*'
 
 # Files of a folder that are compiled together (qc_compile_together): the compiler takes two functions of unnamed
 # namespaces that share a name for overloads, and a call may then reach the other file's.
-# shellcheck disable=SC2044 # Folders have plain names.
-for folder in $(find bullet_glue demos/bench demos/view demos/cloth demos/leaves demos/breaking demos/fracture demos/common/bullet \
-    tests/bullet -type d ! -path bullet_glue/fracture); do
-    shared=$(for file in "$folder"/*.cpp; do
-        [ ! -f "$file" ] || awk '
-            /^namespace$/ { inside = 1; next }
-            /^}/ && / namespace$/ { inside = 0 }
-            inside && /^[A-Za-z].*[ *&][A-Za-z_0-9]+\(/ && !/^(class|struct|enum|constexpr|const|static|using|template) / {
-                sub(/\(.*/, "")
-                sub(/.*[ *&]/, "")
-                print
-            }' "$file" | sort -u
-    done | sort | uniq -d)
-    if [ -n "$shared" ]; then
-        echo "$folder: several files have functions of these names in unnamed namespaces: $shared"
-        broken=1
-    fi
-done
+find bullet_glue demos/bench demos/view demos/cloth demos/leaves demos/breaking demos/fracture demos/common/bullet \
+    tests/bullet -name '*.cpp' -type f ! -path 'bullet_glue/fracture/*' | LC_ALL=C sort | xargs awk '
+        FNR == 1 {
+            inside = 0
+            folder = FILENAME
+            sub(/\/[^\/]*$/, "", folder)
+        }
+        /^namespace$/ { inside = 1; next }
+        /^}/ && / namespace$/ { inside = 0 }
+        inside && /^[A-Za-z].*[ *&][A-Za-z_0-9]+\(/ && !/^(class|struct|enum|constexpr|const|static|using|template) / {
+            sub(/\(.*/, "")
+            sub(/.*[ *&]/, "")
+            if (seen[folder, $0, FILENAME]++ == 0 && ++files[folder, $0] == 2) {
+                print folder ": several files have a function of this name in unnamed namespaces: " $0
+                broken = 1
+            }
+        }
+        END { exit broken }' || broken=1
 
 # What .gitignore names may lie about too.
 for entry in * .[!.]*; do
