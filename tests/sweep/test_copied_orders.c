@@ -148,7 +148,7 @@ START_TEST(an_order_suits_no_body_whose_triangles_lie_elsewhere)
         qcSoup_Free(&first);
         qcSoup_Free(&other);
     }
-    // All at one place: nothing tells how they lie.
+    // All at one place: how they lie cannot be compared.
     qcSoup points = qcMakeSoup(qc_soupPoint, 1);
     Bodies made = MakeBodies(&points);
     ck_assert(!Suits(&made, &points));
