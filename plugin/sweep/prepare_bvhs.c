@@ -14,8 +14,8 @@ enum
     // this search on.
     qc_searchesBefore = 2,
     // Steps over which copies make the lists of their outlines (8 bunnies of 69 666 triangles: all in the second step
-    // 6 ms, spread out 1 ms in each).
-    qc_outlineSteps = 8,
+    // 6 ms, spread out 3 ms at most).
+    qc_outlineSteps = 4,
     // Triangles of a body whose order takes several times as long as finding those in a region.
     qc_minLimited = 1024
 };
