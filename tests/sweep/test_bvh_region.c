@@ -1,10 +1,10 @@
 // BVHs that are limited to the region where others may come: each step has the pairs of brute force, while bodies
 // deform in their places, drift, jump, and come and go; and the cells of a region, against boxes in doubles.
 #include "scene/float_positions.h"
-#include "support/failing_heap.h"
 #include "support/scenes.h"
 #include "support/suite.h"
 #include "sweep/bvh/bvh_region.h"
+#include "sweep/failing_steps.h"
 #include "sweep/sample_bodies.h"
 
 #include <math.h>
@@ -59,11 +59,16 @@ static Row MakeRow(bool asFloats)
     return row;
 }
 
+static void FreeSheets(Row* row)
+{
+    for (uint32_t i = 0; i < qc_sheetCount; i++)
+        qcSoup_Free(&row->sheets[i]);
+}
+
 static void FreeRow(Row* row)
 {
     qcScene_Destroy(row->scene);
-    for (uint32_t i = 0; i < qc_sheetCount; i++)
-        qcSoup_Free(&row->sheets[i]);
+    FreeSheets(row);
 }
 
 /// Each vertex moves by up to `amount` from its place, all by the same offset along the row besides.
@@ -164,31 +169,21 @@ START_TEST(a_larger_distance_a_new_body_and_a_motion_have_all_pairs)
 }
 END_TEST
 
+static qcScene* MakeRowOfFloats(void)
+{
+    Row row = MakeRow(true);
+    FreeSheets(&row);
+    return row.scene;
+}
+
+static uint64_t CheckScene(qcScene* scene, uint32_t threads)
+{
+    return CheckStep(&(Row){.scene = scene}, qcDefaultDetectDef(), threads);
+}
+
 START_TEST(after_a_failed_allocation_the_same_step_has_all_pairs)
 {
-    qcFailingHeap heap = {0, 0, 0};
-    CHECK_OK(qcSetAllocator(qcFailingHeap_Allocate, qcFailingHeap_Release, &heap));
-    qcStatus status = qc_statusOutOfMemory;
-    size_t calls = 0;
-    while (status != qc_statusOk)
-    {
-        Row row = MakeRow(true);
-        qcDetectDef def = qcDefaultDetectDef();
-        def.method = qc_methodSweep;
-        def.threads = 1;
-        const qcResult* result;
-        heap = (qcFailingHeap){heap.live, 0, ++calls};
-        status = qcScene_Detect(row.scene, &def, &result);
-        ck_assert(status == qc_statusOk || status == qc_statusOutOfMemory);
-        heap = (qcFailingHeap){heap.live, 0, 0};
-        if (calls % 8 == 0)
-            CheckStep(&row, def, 1);
-        CHECK_OK(qcScene_Detect(row.scene, &def, &result));
-        FreeRow(&row);
-    }
-    ck_assert_uint_gt(calls, 30);
-    ck_assert_uint_eq(heap.live, 0);
-    CHECK_OK(qcSetAllocator(NULL, NULL, NULL));
+    qcFailEachAllocation(MakeRowOfFloats, CheckScene);
 }
 END_TEST
 

@@ -1,9 +1,9 @@
 // Copies of a mesh take over the cluster order of one of them: an order suits a body if the triangles connect the same
 // vertices and lie alike, and each step has the pairs of brute force.
-#include "support/failing_heap.h"
 #include "support/scenes.h"
 #include "support/suite.h"
 #include "sweep/bvh/bvh_copy.h"
+#include "sweep/failing_steps.h"
 #include "sweep/sample_bodies.h"
 
 #include <math.h>
@@ -283,37 +283,21 @@ START_TEST(copies_that_come_and_go_miss_no_pair)
 }
 END_TEST
 
+static qcScene* MakeThreeCopies(void)
+{
+    qcScene* scene = qcMakeScene(NULL);
+    for (uint32_t i = 0; i < 3; i++)
+    {
+        qcSoup soup = MakeCopy(i, 0.0, s_spacing * i);
+        AddDeforming(scene, &soup, i == 1);
+        qcSoup_Free(&soup);
+    }
+    return scene;
+}
+
 START_TEST(after_a_failed_allocation_copies_have_all_pairs)
 {
-    qcFailingHeap heap = {0, 0, 0};
-    CHECK_OK(qcSetAllocator(qcFailingHeap_Allocate, qcFailingHeap_Release, &heap));
-    qcStatus status = qc_statusOutOfMemory;
-    size_t calls = 0;
-    while (status != qc_statusOk)
-    {
-        qcScene* scene = qcMakeScene(NULL);
-        for (uint32_t i = 0; i < 3; i++)
-        {
-            qcSoup soup = MakeCopy(i, 0.0, s_spacing * i);
-            AddDeforming(scene, &soup, i == 1);
-            qcSoup_Free(&soup);
-        }
-        qcDetectDef def = qcDefaultDetectDef();
-        def.method = qc_methodSweep;
-        def.threads = 1;
-        const qcResult* result;
-        heap = (qcFailingHeap){heap.live, 0, ++calls};
-        status = qcScene_Detect(scene, &def, &result);
-        ck_assert(status == qc_statusOk || status == qc_statusOutOfMemory);
-        heap = (qcFailingHeap){heap.live, 0, 0};
-        if (calls % 8 == 0)
-            CheckStep(scene, 1);
-        CHECK_OK(qcScene_Detect(scene, &def, &result));
-        qcScene_Destroy(scene);
-    }
-    ck_assert_uint_gt(calls, 30);
-    ck_assert_uint_eq(heap.live, 0);
-    CHECK_OK(qcSetAllocator(NULL, NULL, NULL));
+    qcFailEachAllocation(MakeThreeCopies, CheckStep);
 }
 END_TEST
 
