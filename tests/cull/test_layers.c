@@ -353,6 +353,32 @@ START_TEST(a_margin_as_wide_as_the_scene_finds_all_pairs_and_no_padding)
 }
 END_TEST
 
+START_TEST(few_and_many_bodies_that_cross_each_other_have_the_pairs_of_the_sweep)
+{
+    // 3 200, 11 000 and 37 600 pairs of nodes, of one triangle each: a workgroup takes 4, 8 or 16 at a time.
+    static const uint32_t s_counts[] = {100, 180, 340};
+    QC_FOR_EACH_DEVICE(device)
+    {
+        qcScene* scene = qcMakeScene(device);
+        qcDetectDef def = qcDefaultDetectDef();
+        for (uint32_t i = 0, body = 0; i < 3; i++)
+        {
+            for (; body < s_counts[i]; body++)
+            {
+                qcSoup soup = qcSoup_MakeRandom(body, 1, 2.0);
+                qcAddSoup(scene, &soup);
+                qcSoup_Free(&soup);
+            }
+            // The second step expects as many pairs as the first has found.
+            for (int step = 0; step < 2; step++)
+                ck_assert_uint_gt(CheckLayers(scene, &def, "bodies that cross each other")->pairCount, s_counts[i]);
+        }
+        qcScene_Destroy(scene);
+    }
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
 //  ---- sharing a device ---------------------------------------------------------------------------------------------
 
 /// A scene that changes and grows, on a device shared with other scenes.
@@ -509,6 +535,7 @@ QC_RUN_TESTS_ON_DEVICES("layers", a_collapsing_scene_reruns_its_step_once, only_
                         a_scene_beyond_the_frame_or_the_loops_is_swept_and_the_next_step_uses_the_device_again,
                         empty_scenes_points_and_degenerate_triangles_have_the_pairs_of_the_sweep,
                         a_margin_as_wide_as_the_scene_finds_all_pairs_and_no_padding,
+                        few_and_many_bodies_that_cross_each_other_have_the_pairs_of_the_sweep,
                         two_scenes_share_a_device_in_turn_and_on_two_threads,
                         the_pairs_do_not_depend_on_device_columns_or_depth_axis,
                         cells_are_about_as_large_as_the_nodes_in_them)

@@ -30,8 +30,11 @@ enum
     // Workgroups that compare tiles, where there are few tiles: a GPU of 132 multiprocessors runs half as many at a
     // time.
     qc_comparingGroups = 2048,
+    // Workgroups that find pairs of triangles, while each takes few pairs of nodes (H200: a folded cloth of 20 K
+    // triangles has 2300 pairs of nodes, 4 a workgroup, a tangled one of 92 K has 15 000, 8 a workgroup).
+    qc_pairingGroups = 2560,
     // Rounds of a workgroup that goes through a list, so that no implementation stops its loops after 65 535
-    // iterations: a round of triangle pairs has up to 1104.
+    // iterations: a round of triangle pairs has up to 564.
     qc_maxRounds = 32
 };
 
@@ -171,6 +174,28 @@ static uint32_t ListCapacity(const qcLayers* layers, List list)
     return capacity > s_reserved[list] ? (uint32_t)(capacity - s_reserved[list]) : 0;
 }
 
+static uint32_t CountOf(const qcLayers* layers, List list)
+{
+    return layers->counters.lists[list].count;
+}
+
+/// About as many as in the last run.
+static uint64_t ExpectedItems(const qcLayers* layers, List list)
+{
+    uint64_t capacity = ListCapacity(layers, list), last = CountOf(layers, list);
+    uint64_t items = last != 0 ? last + last / 4 : capacity / 8;
+    return items < capacity ? items : capacity;
+}
+
+/// Pairs of nodes that a workgroup takes at a time.
+static uint32_t NodePairsOfGroup(const qcLayers* layers)
+{
+    uint32_t count = qc_minNodePairs;
+    while (count < qc_maxNodePairs && ExpectedItems(layers, list_nodePairs) > (uint64_t)count * qc_pairingGroups)
+        count *= 2;
+    return count;
+}
+
 static void UploadParameters(const struct qcGlFunctions* gl, const qcLayers* layers)
 {
     const qcLayersStep* step = &layers->step;
@@ -189,6 +214,7 @@ static void UploadParameters(const struct qcGlFunctions* gl, const qcLayers* lay
                                  .floatsAt = (uint32_t)p.floats,
                                  .nodeBoxesAt = (uint32_t)(qc_boxesOfNode * step->capacity[qc_layersNodes]),
                                  .partsOfTile = PartsOfTile(TileCount(step)),
+                                 .nodePairsOfGroup = NodePairsOfGroup(layers),
                                  .testNeighbours = step->testNeighbours,
                                  .pointError = step->pointError,
                                  .queryDistance = step->queryDistance,
@@ -258,11 +284,6 @@ static bool HasList(const qcLayers* layers, int list)
     return layers->imageOnly == (list == list_entries);
 }
 
-static uint32_t CountOf(const qcLayers* layers, List list)
-{
-    return layers->counters.lists[list].count;
-}
-
 static void Run(const struct qcGlFunctions* gl, qcLayers* layers, qcLayersKernel kernel, uint64_t groups)
 {
     qcLayersKernels_Run(gl, &layers->kernels, kernel, groups);
@@ -305,14 +326,12 @@ static void RunVertices(const struct qcGlFunctions* gl, qcLayers* layers)
     RunSources(gl, layers);
 }
 
-/// Workgroups that go through a list, `share` items at a time: once each if there are about as many as in the last run.
-/// Any number gets to the end.
+/// Workgroups that go through a list, `share` items at a time: once each if there are as many as expected. Any number
+/// gets to the end.
 static uint64_t GroupsOfList(const qcLayers* layers, List list, uint32_t share)
 {
-    uint64_t capacity = ListCapacity(layers, list), last = CountOf(layers, list), least = capacity / qc_maxRounds;
-    uint64_t items = last != 0 ? last + last / 4 : capacity / 8;
-    items = items < capacity ? items : capacity;
-    return (items > least ? items : least) / share + 1;
+    uint64_t expected = ExpectedItems(layers, list), least = ListCapacity(layers, list) / qc_maxRounds;
+    return (expected > least ? expected : least) / share + 1;
 }
 
 static void RunKernels(const struct qcGlFunctions* gl, qcLayers* layers)
@@ -329,7 +348,7 @@ static void RunKernels(const struct qcGlFunctions* gl, qcLayers* layers)
     uint32_t tiles = TileCount(step);
     Run(gl, layers, qc_kernelNodes, step->activeCount);
     Run(gl, layers, qc_kernelNodePairs, (uint64_t)tiles * PartsOfTile(tiles));
-    Run(gl, layers, qc_kernelTrianglePairs, GroupsOfList(layers, list_nodePairs, qc_nodePairsOfGroup));
+    Run(gl, layers, qc_kernelTrianglePairs, GroupsOfList(layers, list_nodePairs, NodePairsOfGroup(layers)));
     Run(gl, layers, qc_kernelPairTests, GroupsOfList(layers, list_trianglePairs, qc_testsOfGroup));
 }
 

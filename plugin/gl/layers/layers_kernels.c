@@ -22,12 +22,13 @@ static const KernelShape s_shapes[qc_kernelCount] = {
     [qc_kernelImageNodes] = {"layers, nodes and groups", s_layersImageNodes, 16, true, false, true},
     [qc_kernelNodes] = {"layers, nodes", s_layersNodes, 64, false, true, false},
     [qc_kernelNodePairs] = {"layers, node pairs", s_layersNodePairs, qc_nodeComparers, false, true, false},
-    [qc_kernelTrianglePairs] = {"layers, triangle pairs", s_layersTrianglePairs, 8 * qc_nodePairsOfGroup, false, true,
+    [qc_kernelTrianglePairs] = {"layers, triangle pairs", s_layersTrianglePairs, qc_pairInvocations, false, true,
                                 false},
     [qc_kernelPairTests] = {"layers, pair tests", s_layersPairTests, qc_testsOfGroup, false, true, true},
 };
 // As the shaders' uniform block Step has them (std140).
 _Static_assert(offsetof(qcLayersParameters, origin) == 128 && sizeof(qcLayersParameters) == 160, "the layout std140");
+_Static_assert(8 * qc_maxNodePairs <= qc_pairInvocations, "an invocation for each cluster of a node of each pair");
 _Static_assert(sizeof(qcLayersParameters) <= qc_parameterBytes, "room for the parameters");
 
 /// The constants of a program, as its first source.
@@ -38,10 +39,11 @@ static void WriteConstants(char* text, size_t size, int kernel, bool imageOnly)
     int length = snprintf(text, size,
                           "#version 430 core\n#define BODY_WORDS %zuu\n#define LOCAL_SIZE %du\n"
                           "#define COUNTER_WORDS %du\n#define BOXES_OF_NODE %d\n#define STEP_BINDING %d\n"
-                          "#define SOURCE_BINDING %d\n#define EMPTY_LIST %s\n#define TILE_NODES %du\n",
+                          "#define SOURCE_BINDING %d\n#define EMPTY_LIST %s\n#define TILE_NODES %du\n"
+                          "#define MAX_NODE_PAIRS %du\n",
                           sizeof(qcLayersBody) / sizeof(uint32_t), s_shapes[kernel].localSize, qc_counterWords,
                           qc_boxesOfNode, readsCopy ? qc_copyBinding : qc_streamBinding, qc_sourceBinding,
-                          imageOnly ? "none" : "highestLevel", qc_tileNodes);
+                          imageOnly ? "none" : "highestLevel", qc_tileNodes, qc_maxNodePairs);
     if (copies)
         snprintf(text + length, size - (size_t)length, "#define COPY_BINDING %d\n", qc_copyBinding);
 }
@@ -49,7 +51,7 @@ static void WriteConstants(char* text, size_t size, int kernel, bool imageOnly)
 static qcStatus GetProgram(const struct qcGlFunctions* gl, qcLayersKernels* kernels, int kernel)
 {
     const KernelShape* shape = &s_shapes[kernel];
-    char constants[320];
+    char constants[352];
     WriteConstants(constants, sizeof constants, kernel, kernels->imageOnly);
     const char* sources[] = {constants, s_layersCommon, shape->source};
     GLuint program;

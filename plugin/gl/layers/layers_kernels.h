@@ -20,7 +20,10 @@ typedef enum qcLayersKernel
 enum
 {
     qc_nodeComparers = qc_tileNodes * qc_tileNodes, ///< invocations of a workgroup of qc_kernelNodePairs
-    qc_nodePairsOfGroup = 16, ///< pairs of nodes of a workgroup of qc_kernelTrianglePairs at a time
+    qc_pairInvocations = 256,                       ///< of a workgroup of qc_kernelTrianglePairs
+    // Pairs of nodes that such a workgroup takes at a time: few in small scenes, so that it is done in few rounds.
+    qc_minNodePairs = 4,
+    qc_maxNodePairs = 16,
     qc_groupsInRow = 1 << 15, ///< workgroups of a dispatch along x
     qc_testsOfGroup = 64      ///< pairs of triangles that a workgroup of qc_kernelPairTests tests at a time
 };
@@ -39,7 +42,7 @@ typedef struct qcLayersParameters
     uint32_t axes[3];
     float queryDistance;
     uint32_t groupsAt; ///< word of the clusters' boxes in qc_workNodeBoxes
-    uint32_t partsOfTile, trianglePairCapacity, unused;
+    uint32_t partsOfTile, trianglePairCapacity, nodePairsOfGroup;
     double origin[3], unit;
 } qcLayersParameters;
 

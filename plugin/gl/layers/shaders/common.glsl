@@ -29,6 +29,7 @@ layout(std140, binding = 0) uniform Step
     uint groupsAt;
     uint partsOfTile; // workgroups that compare one tile with others
     uint trianglePairCapacity;
+    uint nodePairsOfGroup; // that a workgroup of triangle_pairs takes at a time
     dvec3 origin;
     double unit;
 };

@@ -4,11 +4,11 @@ layout(std430, binding = 2) readonly buffer Boxes { uvec4 inBoxes[]; };
 layout(std430, binding = 5) readonly buffer NodePairs { uvec4 inNodePairs[]; };
 layout(std430, binding = SOURCE_BINDING) writeonly buffer TrianglePairs { uvec2 outTrianglePairs[]; }; // slots
 
-const uint pairsOfRound = LOCAL_SIZE / 8u;
+const uint clustersOfRound = LOCAL_SIZE / 8u;
 
-shared uvec4 pairs[pairsOfRound];                       // as in the list
-shared uint clusterCount, clusters[64u * pairsOfRound]; // pair of nodes << 6 | clusters u + 8 v
-shared uvec2 words[LOCAL_SIZE];                         // pairs of triangles of the clusters, s + 8 t
+shared uvec4 pairs[MAX_NODE_PAIRS];                       // as in the list
+shared uint clusterCount, clusters[64u * MAX_NODE_PAIRS]; // pair of nodes << 6 | clusters u + 8 v
+shared uvec2 words[LOCAL_SIZE];                           // pairs of triangles of the clusters, s + 8 t
 shared uint listed, firstListed;
 
 // The pair mask of two clusters, see qcPairMask_Word; none where the table has no word.
@@ -87,7 +87,7 @@ void addClusters(uint base, uint count, uint k)
         listed = 0u;
     barrier();
     uvec2 hits = uvec2(0u); // 8 bits a round
-    for (uint item = k >> 3, round = 0u; item < count; item += pairsOfRound, round++)
+    for (uint item = k >> 3, round = 0u; item < count; item += clustersOfRound, round++)
     {
         uint ofRound = findTriangles(clusters[base + item], words[item], k & 7u) << 8u * (round & 3u);
         hits |= round < 4u ? uvec2(ofRound, 0u) : uvec2(0u, ofRound);
@@ -102,13 +102,13 @@ void addClusters(uint base, uint count, uint k)
     {
         uint bit = uint(hits.x != 0u ? findLSB(hits.x) : 32 + findLSB(hits.y));
         hits = hits.x != 0u ? uvec2(hits.x & hits.x - 1u, hits.y) : uvec2(0u, hits.y & hits.y - 1u);
-        uvec2 slots = slotsOf(clusters[base + (bit >> 3) * pairsOfRound + (k >> 3)], k & 7u);
+        uvec2 slots = slotsOf(clusters[base + (bit >> 3) * clustersOfRound + (k >> 3)], k & 7u);
         outTrianglePairs[min(place, trianglePairCapacity)] = uvec2(slots.x, slots.y + (bit & 7u));
     }
     barrier();
 }
 
-// The triangles of pairs of nodes, pairsOfRound at most.
+// The triangles of pairs of nodes, MAX_NODE_PAIRS at most.
 void addNodes(uint first, uint count, uint k)
 {
     if (k < count)
@@ -127,11 +127,11 @@ void addNodes(uint first, uint count, uint k)
 void main()
 {
     countKernel();
-    uint k = gl_LocalInvocationID.x, groups = gl_NumWorkGroups.x * gl_NumWorkGroups.y, first = GROUP * pairsOfRound;
+    uint k = gl_LocalInvocationID.x, groups = gl_NumWorkGroups.x * gl_NumWorkGroups.y, first = GROUP * nodePairsOfGroup;
     // With too small a list the kernels run again.
     uint inList = counters[nodePairCounter], count = inList <= nodePairCapacity ? inList : 0u;
-    for (; first < count; first += groups * pairsOfRound)
-        addNodes(first, min(count - first, pairsOfRound), k);
+    for (; first < count; first += groups * nodePairsOfGroup)
+        addNodes(first, min(count - first, nodePairsOfGroup), k);
     if (first < count)
         counters[stoppedCounter] = 1u;
 }
