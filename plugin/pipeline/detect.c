@@ -199,11 +199,12 @@ static qcStatus RunStages(const qcStep* step, qcBodies* bodies, double start, qc
     QC_TRY(Leave(step, SweepBodies(step, triangles, &d->pcs, &d->bodyPairs, &profile)));
     profile.sweepObjectsMs = Lap(&lap);
 
-    double planned = profile.planMs, culled = lap;
+    double planned = profile.planMs;
     Enter(step, "qcScene cull triangles");
     QC_TRY(Leave(
         step, qcMethodStage_Cull(step, triangles, &d->bodyPairs, &d->triangleStage, &d->imageCull, &d->pcs, &profile)));
-    profile.cullTrianglesMs = Lap(&lap) - (profile.planMs - planned);
+    double calibrationMs = profile.planMs - planned;
+    profile.cullTrianglesMs = Lap(&lap) - calibrationMs;
     Enter(step, "qcScene sweep triangles");
     QC_TRY(Leave(step, qcMethodStage_Sweep(step, triangles, &d->bodyPairs, &d->pcs, &d->triangleStage, &profile)));
     profile.sweepTrianglesMs = Lap(&lap);
@@ -217,9 +218,9 @@ static qcStatus RunStages(const qcStep* step, qcBodies* bodies, double start, qc
     Enter(step, "qcScene exact");
     QC_TRY(Leave(step, qcNarrowphase_Run(triangles, candidates, step->def, step->threads, &d->narrowphase, &profile)));
     Lap(&lap);
-    // Exact tests, too: the methods leave them more or fewer candidates.
+    // Waking threads counts, too: for a GPU fewer are woken. So do exact tests: of more or fewer candidates.
     qcPlanHistory_Add(&routing->history, profile.partsOnDevice != 0, routing->plannedTriangles,
-                      lap - culled - (profile.planMs - planned) - profile.contactMs);
+                      lap - start - calibrationMs - profile.contactMs);
     Enter(step, "qcScene manifolds");
     QC_TRY(Leave(step, BuildManifolds(step, triangles, &d->narrowphase, &d->manifolds)));
     profile.manifoldMs = Lap(&lap);

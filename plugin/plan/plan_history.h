@@ -52,7 +52,7 @@ typedef struct qcPlanHistory
 
 /// True if the next query, with this count of triangles, is to run by `layers`. Depends on its arguments alone.
 bool qcPlanHistory_Choose(qcPlanHistory* history, const qcPlanCosts* costs, double triangles);
-/// Adds the milliseconds of a query, of the stages in which the methods differ: from culling triangles to exact tests.
+/// Adds the milliseconds of a query, up to its exact tests; what is equal for all methods may be left out.
 void qcPlanHistory_Add(qcPlanHistory* history, bool onDevice, double triangles, double ms);
 
 #endif
