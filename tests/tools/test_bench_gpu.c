@@ -64,6 +64,8 @@ static void CheckRow(const Row* row, void* context)
     ck_assert(layers || Is(row, "method", "auto") || Is(row, "method", "sweep"));
     ck_assert(GetNumber(row, "ms") >= GetNumber(row, "ms_least") && GetNumber(row, "ms_least") > 0.0);
     ck_assert_double_ge(GetNumber(row, "steps"), 8.0);
+    if (!Is(row, "method", "auto"))
+        ck_assert_double_eq(GetNumber(row, "device_steps"), layers ? GetNumber(row, "steps") : 0.0);
     ck_assert_double_gt(GetNumber(row, "pairs"), 20.0);
     ck_assert(GetNumber(row, "candidates") >= GetNumber(row, "pairs"));
     ck_assert((GetNumber(row, "entries") > 0.0) == (layers && rows->haveImage));
@@ -83,8 +85,8 @@ static void CheckRow(const Row* row, void* context)
 }
 
 #define HEADER                                                                                                         \
-    "scene,bodies,triangles,method,threads,steps,ms,ms_least,first_ms,candidates,pairs,hash,agrees,entries,"           \
-    "uploaded_bytes,device_bytes,gl_calls,waits,allocations,processor_ms,failure,renderer"
+    "scene,bodies,triangles,method,threads,steps,device_steps,ms,ms_least,first_ms,candidates,pairs,hash,agrees,"      \
+    "entries,uploaded_bytes,device_bytes,gl_calls,waits,allocations,processor_ms,failure,renderer"
 
 START_TEST(each_scene_and_size_has_its_rows_with_equal_lists)
 {

@@ -63,8 +63,9 @@ typedef struct qcGpuRun
 {
     qcMethod method;
     uint32_t threads;
-    uint32_t steps;   ///< timed steps
-    double ms, minMs; ///< positions in, pairs out: median and minimum
+    uint32_t steps;       ///< timed steps
+    uint32_t deviceSteps; ///< those of them that the device has answered
+    double ms, minMs;     ///< positions in, pairs out: median and minimum
     double firstMs;
     uint64_t allocations;          ///< in all timed steps
     uint64_t candidates, pairs;    ///< in the first frame

@@ -192,6 +192,7 @@ static bool Time(Bench* bench, bool isSoftware, qcGpuRun* run)
     {
         ran = Step(bench, run);
         times[run->steps++] = bench->ms;
+        run->deviceSteps += ran && bench->ours.result->profile.partsOnDevice != 0;
         spent += bench->ms;
     }
     run->allocations = s_allocations - allocations;

@@ -150,9 +150,10 @@ static void WriteRow(FILE* stream, const qcGpuDevice* device, const qcGpuRow* ro
     {
         const qcGpuRun* run = &row->runs[i];
         bool isLayers = run->method == qc_methodLayers;
-        fprintf(stream, "%s,%" PRIu32 ",%" PRIu32 ",%s,%" PRIu32 ",%" PRIu32 ",%.4f,%.4f,%.4f,%" PRIu64 ",%" PRIu64,
+        fprintf(stream,
+                "%s,%" PRIu32 ",%" PRIu32 ",%s,%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",%.4f,%.4f,%.4f,%" PRIu64 ",%" PRIu64,
                 qcGpuScene_Name(row->scene), row->bodies, row->triangles, qcMethod_Name(run->method), run->threads,
-                run->steps, run->ms, run->minMs, run->firstMs, run->candidates, run->pairs);
+                run->steps, run->deviceSteps, run->ms, run->minMs, run->firstMs, run->candidates, run->pairs);
         for (int frame = 0; frame < qc_gpuFrames; ++frame)
             fprintf(stream, "%s%016" PRIx64, frame == 0 ? "," : "-", run->hashes[frame]);
         fprintf(stream, ",%d,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",%" PRIu32 ",%" PRIu32 ",%" PRIu64 ",%.4f,",
@@ -191,8 +192,8 @@ bool qcGpu_WriteFiles(const qcGpuOptions* options, const qcGpuDevice* device, co
     qcOutput rows, stages;
     if (!qcFiles_Open(options->out, "gpu.csv", &rows, message))
         return false;
-    fputs("scene,bodies,triangles,method,threads,steps,ms,ms_least,first_ms,candidates,pairs,hash,agrees,entries,"
-          "uploaded_bytes,device_bytes,gl_calls,waits,allocations,processor_ms,failure,renderer\n",
+    fputs("scene,bodies,triangles,method,threads,steps,device_steps,ms,ms_least,first_ms,candidates,pairs,hash,agrees,"
+          "entries,uploaded_bytes,device_bytes,gl_calls,waits,allocations,processor_ms,failure,renderer\n",
           rows.stream);
     for (uint32_t i = 0; i < table->rowCount; ++i)
         WriteRow(rows.stream, device, &table->rows[i]);
