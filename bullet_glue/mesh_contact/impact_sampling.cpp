@@ -23,6 +23,9 @@ constexpr btScalar s_queryDistance = btScalar(0.5);
 constexpr btScalar s_maxDepth = 1;
 // Bodies deeper than this, in the same units, would have stopped before: later samples are not on their way.
 constexpr btScalar s_maxPairDepth = btScalar(1.5);
+// The points of a sample stop bodies that they will be this deep in at the next one, in the same units: it means
+// nothing. It would cost most: where surfaces cross, all of their triangles have manifolds.
+constexpr btScalar s_maxNextDepth = btScalar(0.5);
 
 /// Upper bound of the speed at which points of two bodies pass each other where both can be: within the smaller body.
 btScalar MaxSpeedBetween(const qcMovingMesh& a, const qcMovingMesh& b)
@@ -225,6 +228,17 @@ btScalar qcImpactSampler::TakeRegion(qcMeshPoint* begin, qcMeshPoint* end, btSca
     return stopTime;
 }
 
+/// Whether points of a sample, with ends in the frames of the meshes, stop the pair before its next one.
+bool qcImpactSampler::IsStoppedBy(const std::vector<qcMeshPoint>& points, btScalar time, const Pair& pair) const
+{
+    btScalar interval = m_timeStep / btScalar(pair.sampleCount);
+    btScalar margins = m_meshes[pair.a].moving.margin + m_meshes[pair.b].moving.margin;
+    PairTransforms next = TransformsAt(pair, time + interval);
+    return std::any_of(points.begin(), points.end(),
+                       [&](const qcMeshPoint& point)
+                       { return next.DistanceOf(point) - margins < -s_maxNextDepth * pair.maxSpeed * interval; });
+}
+
 /// Takes the points of a pair from a sample, and updates the stop times.
 void qcImpactSampler::TakePoints(std::vector<qcMeshPoint>* points, btScalar time, Pair* pair)
 {
@@ -236,6 +250,7 @@ void qcImpactSampler::TakePoints(std::vector<qcMeshPoint>* points, btScalar time
             end++;
         stopTime = std::min(stopTime, TakeRegion(points->data() + begin, points->data() + end, time, pair));
     }
+    pair->isDone = pair->isDone || IsStoppedBy(*points, time, *pair);
     pair->previousTime = time;
     if (pair->isQuasiStatic[0] || a.IsStoppedAt(stopTime))
         m_stopTimes[pair->b] = std::min(m_stopTimes[pair->b], stopTime);

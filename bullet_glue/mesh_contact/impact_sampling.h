@@ -73,7 +73,7 @@ class qcImpactSampler
         btScalar previousTime = 0; ///< of the pair's previous sample
         bool isSelected = false;   ///< for the present pass
         bool isDue = false;        ///< for the present sample
-        bool isDone = false;       ///< sampled, or so deep that further samples mean nothing
+        bool isDone = false;       ///< sampled, or stopped, so that further samples mean nothing
         btVector3 axis; ///< of the plane between small meshes at the previous sample, from A to B; 0: there is none
         bool isByPlane = false;          ///< in the present sample
         std::vector<qcMeshPoint> points; ///< ends in the frames of their meshes
@@ -104,6 +104,7 @@ class qcImpactSampler
     qcStatus TestTriangles(qcScene* scene, const qcDetectDef& def, btScalar time);
     bool TestPlane(btScalar distance, btScalar time, Pair* pair);
     void TakePoints(std::vector<qcMeshPoint>* points, btScalar time, Pair* pair);
+    bool IsStoppedBy(const std::vector<qcMeshPoint>& points, btScalar time, const Pair& pair) const;
     btScalar TakeRegion(qcMeshPoint* begin, qcMeshPoint* end, btScalar time, Pair* pair);
     static bool IsDue(void* context, uint32_t slotA, uint32_t slotB);
 

@@ -89,6 +89,60 @@ START_TEST(a_fine_ball_that_falls_straight_is_hardly_thrown_aside)
 }
 END_TEST
 
+START_TEST(a_ball_is_sampled_until_it_touches_and_no_further)
+{
+    // 0.5 m in a step, in 16 samples; of too many triangles for a plane between hulls.
+    const btScalar radius = btScalar(0.3), speed = 30, interval = speed / 60 / 16;
+    qcModel ball = qcSphereModel(double(radius), 5);
+    for (int i = 0; i < 20; i++)
+    {
+        qcMeshWorld world;
+        world.world.setGravity(btVector3(0, 0, 0));
+        btScalar margin = qcAddFloor(world, qc_floorOurs);
+        btCollisionShape* shape = world.Keep(ball.MakeShape());
+        btScalar gap = btScalar(0.05 + 0.021 * i);
+        btScalar rest = radius + margin + shape->getMargin();
+        btRigidBody* body = world.Add(shape, 1, btVector3(0, rest + gap, 0));
+        body->setLinearVelocity(btVector3(0, -speed, 0));
+        world.Step();
+        ck_assert_double_gt(double(BodyHeight(body)), double(rest) - 2e-3);
+        ck_assert_int_ge(world.contact.getStatistics().moments, int(gap / interval));
+        ck_assert_int_le(world.contact.getStatistics().moments, int(std::ceil(gap / interval)));
+    }
+}
+END_TEST
+
+START_TEST(a_ball_that_slides_on_the_floor_of_a_bin_is_stopped_by_its_wall)
+{
+    // Floor and wall are one mesh: contact with the floor ends no sampling.
+    const btScalar speed = 30;
+    double deepest = 0;
+    for (int i = 0; i < 12; i++)
+    {
+        qcMeshWorld world;
+        qcModel bin = qcBinModel(2, 1), ball = qcSphereModel(0.3, 5);
+        btCollisionShape *floor = world.Keep(bin.MakeShape()), *shape = world.Keep(ball.MakeShape());
+        world.Add(floor, 0, btVector3(0, 0, 0));
+        btScalar radius = btScalar(0.3) + shape->getMargin() + floor->getMargin();
+        btScalar start = btScalar(0.5 + 0.04 * i), way = 2 - radius - start;
+        btRigidBody* body = world.Add(shape, 1, btVector3(start, radius, 0));
+        body->setFriction(0);
+        body->setLinearVelocity(btVector3(speed, -1, 0));
+        int moments = 0;
+        for (int step = 0; step < 10; step++)
+        {
+            world.Step();
+            moments += world.contact.getStatistics().moments;
+            deepest = std::min(deepest, qcContactsOf(world.dispatcher).deepest);
+            ck_assert_double_lt(double(body->getWorldTransform().getOrigin().x()), 2.0 - 0.3);
+        }
+        ck_assert_int_ge(moments, int(way / (speed / 60 / 16)));
+    }
+    printf("ball that slides into a wall at 30 m/s: deepest ever %.1f mm\n", -1e3 * deepest);
+    ck_assert_double_gt(deepest, -5e-3);
+}
+END_TEST
+
 START_TEST(bodies_that_fall_side_by_side_are_not_sampled)
 {
     qcMeshWorld world;
@@ -457,6 +511,8 @@ QC_TEST_MAIN()
     tcase_add_test(tests, a_mesh_without_response_throws_no_body_back);
     tcase_add_test(tests, bouncing_meshes_gain_no_energy);
     tcase_add_test(tests, a_fine_ball_that_falls_straight_is_hardly_thrown_aside);
+    tcase_add_test(tests, a_ball_is_sampled_until_it_touches_and_no_further);
+    tcase_add_test(tests, a_ball_that_slides_on_the_floor_of_a_bin_is_stopped_by_its_wall);
     tcase_add_test(tests, bodies_that_fall_side_by_side_are_not_sampled);
     tcase_add_test(tests, a_falling_column_is_stopped_from_its_foot_to_its_head);
     tcase_add_test(tests, the_end_of_a_spinning_bar_does_not_pass_through_a_post);
