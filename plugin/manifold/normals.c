@@ -40,8 +40,8 @@ qcStatus qcContactNormals_Find(const qcContactInput* input, qcPairOverlaps* over
 
 void qcContactNormals_Free(qcContactNormals* normals)
 {
-    qcArray* arrays[] = {&normals->pairs,      &normals->next,  &normals->components, &normals->nodes,
-                         &normals->references, &normals->items, &normals->sortScratch};
+    qcArray* arrays[] = {&normals->pairs, &normals->next,       &normals->rounds, &normals->components,
+                         &normals->nodes, &normals->references, &normals->items,  &normals->sortScratch};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }

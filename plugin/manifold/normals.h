@@ -37,6 +37,7 @@ typedef struct qcContactNormals
     qcArray pairs; ///< of qcPairNormal
     //  scratch
     qcArray next;               ///< of qcPairNormal: of the next round of propagation
+    qcArray rounds;             ///< of uint16_t, by triangle: the last such round in which one of its pairs changed
     qcArray components, nodes;  ///< of the orientation, by pair
     qcArray references;         ///< likewise, by region
     qcArray items, sortScratch; ///< of the orientation: links; of the minimum translation: pairs by region

@@ -10,6 +10,7 @@
 #include "base/status.h"
 
 #include <math.h>
+#include <string.h>
 
 enum
 {
@@ -29,8 +30,28 @@ typedef struct Job
     qcPairOverlaps* overlaps;
     const qcPairNormal* now;
     qcPairNormal* next;
+    uint16_t* rounds; ///< of qcContactNormals
     uint16_t round;
 } Job;
+
+static uint16_t* RoundOf(const Job* job, const qcManifoldTriangle* triangle)
+{
+    return &job->rounds[triangle - (const qcManifoldTriangle*)job->input->topology->triangles.data];
+}
+
+/// Whether a pair of one of the triangles may have changed in the previous round: adjacent pairs have one in common.
+/// Other threads set the present round meanwhile.
+static bool MayHaveChanged(const Job* job, const qcManifoldPair* pair)
+{
+    return __atomic_load_n(RoundOf(job, pair->side[0]), __ATOMIC_RELAXED) + 1 >= job->round ||
+           __atomic_load_n(RoundOf(job, pair->side[1]), __ATOMIC_RELAXED) + 1 >= job->round;
+}
+
+static void MarkChanged(const Job* job, const qcManifoldPair* pair)
+{
+    for (int side = 0; side < 2; side++)
+        __atomic_store_n(RoundOf(job, pair->side[side]), job->round, __ATOMIC_RELAXED);
+}
 
 /// A propagated normal.
 typedef struct Propagated
@@ -104,37 +125,60 @@ static void Consider(const qcNeighbourhood* n, const qcPairNormal* own, const qc
     }
 }
 
-/// The best normal among those of adjacent pairs that changed in the previous round and are reliable, or are not
-/// reliable. Its cost is infinity if there is none.
-static Propagated FindPropagated(const Job* job, const qcNeighbourhood* n, const qcPairNormal* own, bool reliable)
+/// Adjacent pairs that changed in the previous round.
+typedef struct ChangedPairs
 {
-    Propagated best = {.normal = own->normal, .cost = INFINITY};
-    double limit = reliable ? own->cost + n->rounding : qcNeighbourhood_Limit(n, own->cost);
-    Evaluated evaluated[qc_maxEvaluated + 1];
-    int count = 0;
+    uint32_t pairs[2 * qc_maxAdjacentPairs];
+    uint32_t count;
+    bool anyReliable;
+} ChangedPairs;
+
+/// Those whose normals may help.
+static void ListChanged(const Job* job, const qcNeighbourhood* n, const qcPairNormal* own, ChangedPairs* changed)
+{
+    changed->count = 0;
+    changed->anyReliable = false;
     for (int side = 0; side < 2; side++)
         for (uint32_t i = 0; i < n->adjacent[side].count; i++)
         {
             uint32_t pair = qcPairAdjacency_Side(n->adjacency, n->adjacent[side].entries[i])->pair;
             const qcPairNormal* other = &job->now[pair];
-            bool helps = other->intersecting || (reliable && own->intersecting);
-            if (other->round + 1 != job->round || other->reliable != reliable || !helps)
-                continue;
-            Evaluated* known = FindEvaluated(evaluated, count, own, other->normal);
-            if (known == &evaluated[count])
-            {
-                *known = (Evaluated){.candidate = {.normal = other->normal, .face = -1}};
-                known->isCheap = qcNeighbourhood_FindCost(n, limit, &known->candidate);
-                count += count < qc_maxEvaluated; // those beyond are evaluated again
-            }
-            // For a disjoint pair it matters whose normal it is.
-            if (!known->isCheap || known->isConsidered ||
-                (own->disjoint &&
-                 !IsNoDeeper(n->pair, &known->candidate, qcContactTopology_Pair(job->input->topology, pair))))
-                continue;
-            known->isConsidered = true;
-            Consider(n, own, &known->candidate, limit, &best);
+            bool isListed =
+                other->round + 1 == job->round && (other->intersecting || (other->reliable && own->intersecting));
+            changed->pairs[changed->count] = pair;
+            changed->count += isListed;
+            changed->anyReliable = changed->anyReliable || (isListed && other->reliable);
         }
+}
+
+/// The best normal among those of changed pairs that are reliable, or are not. Its cost is infinity if there is none.
+static Propagated FindPropagated(const Job* job, const qcNeighbourhood* n, const qcPairNormal* own,
+                                 const ChangedPairs* changed, bool reliable)
+{
+    Propagated best = {.normal = own->normal, .cost = INFINITY};
+    double limit = reliable ? own->cost + n->rounding : qcNeighbourhood_Limit(n, own->cost);
+    Evaluated evaluated[qc_maxEvaluated + 1];
+    int count = 0;
+    for (uint32_t i = 0; i < changed->count; i++)
+    {
+        const qcPairNormal* other = &job->now[changed->pairs[i]];
+        if (other->reliable != reliable)
+            continue;
+        Evaluated* known = FindEvaluated(evaluated, count, own, other->normal);
+        if (known == &evaluated[count])
+        {
+            *known = (Evaluated){.candidate = {.normal = other->normal, .face = -1}};
+            known->isCheap = qcNeighbourhood_FindCost(n, limit, &known->candidate);
+            count += count < qc_maxEvaluated; // those beyond are evaluated again
+        }
+        // For a disjoint pair it matters whose normal it is.
+        if (!known->isCheap || known->isConsidered ||
+            (own->disjoint &&
+             !IsNoDeeper(n->pair, &known->candidate, qcContactTopology_Pair(job->input->topology, changed->pairs[i]))))
+            continue;
+        known->isConsidered = true;
+        Consider(n, own, &known->candidate, limit, &best);
+    }
     return best;
 }
 
@@ -142,10 +186,16 @@ static bool PropagateTo(const Job* job, uint32_t index)
 {
     qcNeighbourhood n = qcNeighbourhood_Of(job->input, index);
     const qcPairNormal* own = &job->now[index];
-    Propagated propagated = FindPropagated(job, &n, own, true);
+    ChangedPairs changed;
+    ListChanged(job, &n, own, &changed);
+    if (changed.count == 0)
+        return false;
+    Propagated propagated = {.cost = INFINITY};
+    if (changed.anyReliable)
+        propagated = FindPropagated(job, &n, own, &changed, true);
     bool reliable = propagated.cost < INFINITY;
     if (!reliable && own->cost > n.rounding)
-        propagated = FindPropagated(job, &n, own, false);
+        propagated = FindPropagated(job, &n, own, &changed, false);
     if (propagated.cost == INFINITY)
         return false;
     job->next[index] = (qcPairNormal){.normal = propagated.normal,
@@ -155,6 +205,7 @@ static bool PropagateTo(const Job* job, uint32_t index)
                                       .changed = true,
                                       .intersecting = true,
                                       .reliable = reliable};
+    MarkChanged(job, n.pair);
     return true;
 }
 
@@ -185,7 +236,8 @@ static void PropagateBlock(void* context, size_t block, uint32_t worker)
     {
         uint32_t p = qcContactRegions_UnsettledPair(job->input->regions, i);
         job->next[p] = job->now[p];
-        if (!job->now[p].reliable && IsAmbiguous(job, p))
+        if (!job->now[p].reliable && MayHaveChanged(job, qcContactTopology_Pair(job->input->topology, p)) &&
+            IsAmbiguous(job, p))
             *changed = PropagateTo(job, p) || *changed;
     }
 }
@@ -235,7 +287,10 @@ qcStatus qcContactNormals_Propagate(const qcContactInput* input, qcPairOverlaps*
     if (!any)
         return qc_statusOk;
     QC_TRY(qcArray_Resize(&normals->next, input->topology->pairs.count, sizeof(qcPairNormal), "normals of manifolds"));
-    Job job = {input, overlaps, NULL, normals->pairs.data, 0};
+    size_t triangles = input->topology->triangles.count;
+    QC_TRY(qcArray_Resize(&normals->rounds, triangles, sizeof(uint16_t), "normals of manifolds"));
+    memset(normals->rounds.data, 0, triangles * sizeof(uint16_t));
+    Job job = {.input = input, .overlaps = overlaps, .next = normals->pairs.data, .rounds = normals->rounds.data};
     qcParallel_For(input->threads, blocks, qc_minNormalBlocks, BeginBlock, &job);
     bool changed = true;
     for (job.round = 1; job.round <= qc_maxRounds && changed; job.round++)

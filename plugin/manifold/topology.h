@@ -5,6 +5,7 @@
 
 #include "manifold/manifold.h"
 #include "base/radix_sort.h"
+#include "base/two_doubles.h"
 #include "base/vec3.h"
 
 /// Rounding error of a length, as a share of the size of the triangles.
@@ -127,14 +128,21 @@ typedef struct qcHeightRange
     double low, high;
 } qcHeightRange;
 
+/// Of two consecutive ones of a triangle's cornerLanes.
+static inline qcTwoDoubles qcTwoHeights(const double lanes[3][6], int first, qcVector origin, qcVector direction)
+{
+    return (qcTwoDoubles_Load(lanes[0] + first) - qcTwoDoubles_Both(origin.x)) * qcTwoDoubles_Both(direction.x) +
+           (qcTwoDoubles_Load(lanes[1] + first) - qcTwoDoubles_Both(origin.y)) * qcTwoDoubles_Both(direction.y) +
+           (qcTwoDoubles_Load(lanes[2] + first) - qcTwoDoubles_Both(origin.z)) * qcTwoDoubles_Both(direction.z);
+}
+
 /// The heights are relative to `origin`: far from the origin of the world products would round away the differences.
 static inline qcHeightRange qcManifoldTriangle_Heights(const qcManifoldTriangle* t, qcVector origin, qcVector direction)
 {
-    double x = qcDot(qcMinus(t->corner[0], origin), direction);
-    double y = qcDot(qcMinus(t->corner[1], origin), direction);
-    double z = qcDot(qcMinus(t->corner[2], origin), direction);
-    double low = x < y ? x : y, high = x < y ? y : x;
-    return (qcHeightRange){z < low ? z : low, z > high ? z : high};
+    qcTwoDoubles first = qcTwoHeights(t->cornerLanes, 0, origin, direction);
+    qcTwoDoubles last = qcTwoHeights(t->cornerLanes, 1, origin, direction);
+    qcTwoDoubles low = qcTwoDoubles_Min(first, last), high = qcTwoDoubles_Max(first, last);
+    return (qcHeightRange){low[0] < low[1] ? low[0] : low[1], high[0] > high[1] ? high[0] : high[1]};
 }
 
 /// Separation distances: how far side 0 has to move along a direction, and against it, until a plane perpendicular to
