@@ -64,6 +64,13 @@ void qcMeshBatch::ClearStatistics()
     statistics = known;
 }
 
+/// Marks two meshes whose triangles have to be tested.
+void qcMeshBatch::MarkTriangles(uint32_t slotA, uint32_t slotB)
+{
+    m_triangleSlots.resize(std::max({m_triangleSlots.size(), size_t(slotA) + 1, size_t(slotB) + 1}));
+    m_triangleSlots[slotA] = m_triangleSlots[slotB] = 1;
+}
+
 /// Computes the pairs that planes separate, and passes on the others that are fast.
 void qcMeshBatch::ReadPairs()
 {
@@ -71,6 +78,7 @@ void qcMeshBatch::ReadPairs()
     m_axes.BeginStep();
     m_planes.Begin(m_scene.GetTimeStep());
     m_impacts.Begin(m_scene.GetTimeStep());
+    m_triangleSlots.clear();
     auto moving = [this](const btCollisionObject* object, const qcBatchObject& gathered, const qcBatchMesh& mesh)
     {
         return qcMovingMesh{object,
@@ -95,7 +103,11 @@ void qcMeshBatch::ReadPairs()
         for (const qcBatchMesh& meshA : a.meshes)
             for (const qcBatchMesh& meshB : b.meshes)
                 if (meshA.placed && meshB.placed)
+                {
                     m_impacts.AddPair(moving(pair.object0, a, meshA), moving(pair.object1, b, meshB), axis);
+                    if (known == qcPlanePairs::Contact::none)
+                        MarkTriangles(meshA.id.slot, meshB.id.slot);
+                }
     }
     m_planes.End();
     statistics.planes = m_planes.GetPairCount();
@@ -134,6 +146,9 @@ bool qcMeshBatch::HasPair(void* context, uint32_t slotA, uint32_t slotB)
 bool qcMeshBatch::NeedsTriangles(void* context, uint32_t slotA, uint32_t slotB)
 {
     auto* batch = static_cast<qcMeshBatch*>(context);
+    const std::vector<uint8_t>& marks = batch->m_triangleSlots;
+    if (std::max(slotA, slotB) >= marks.size() || !marks[slotA] || !marks[slotB])
+        return false;
     return !batch->m_planes.Has(slotA, slotB) && batch->FindDue(slotA, slotB) != nullptr;
 }
 
@@ -154,7 +169,7 @@ qcStatus qcMeshBatch::Detect()
 {
     BT_PROFILE("qcMeshContact detect");
     qcDetectDef def = DetectDef(m_scene.GetMargin());
-    def.candidates = m_reportsCandidates = settings.reportsCandidates;
+    def.candidates = m_reportsCandidates;
     // The distances of fine meshes take longer than what they save.
     def.proximities = def.spacing == 0;
     def.pairFilter = NeedsTriangles;
@@ -178,9 +193,9 @@ qcStatus qcMeshBatch::Detect()
 }
 
 /// Keeps the points of a pair from the last query.
-void qcMeshBatch::StorePoints(const qcBatchPair& pair, qcPairContact* contact) const
+void qcMeshBatch::StorePoints(const qcBatchPair& pair, qcPairContact* contact)
 {
-    std::vector<qcMeshPoint> points;
+    std::vector<qcMeshPoint>& points = m_points;
     const qcBatchObject &a = *pair.gathered0, &b = *pair.gathered1;
     for (uint32_t i = 0; i < a.meshes.size(); i++)
         for (uint32_t j = 0; j < b.meshes.size(); j++)
@@ -260,7 +275,10 @@ void qcMeshBatch::Run()
     double gathered = qcNowMs();
     // Before the query at the beginning of the step: the scene keeps its last result only.
     SampleImpacts();
-    qcStatus status = Detect();
+    static const qcResult s_noPairs{};
+    m_result = &s_noPairs;
+    m_reportsCandidates = settings.reportsCandidates;
+    qcStatus status = m_triangleSlots.empty() ? qc_statusOk : Detect();
     if (status != qc_statusOk)
         m_result = nullptr;
     Note(status);

@@ -181,6 +181,8 @@ START_TEST(fine_pieces_with_planes_between_them_need_no_triangles)
         world.world.stepSimulation(s_pieceStep, 0);
         const qcMeshContactStatistics& statistics = world.contact.getStatistics();
         ck_assert_int_eq(statistics.planes, statistics.pairs);
+        // No query at all.
+        ck_assert(statistics.cullMs + statistics.sweepMs + statistics.exactMs + statistics.manifoldMs == 0);
         planes = std::max(planes, statistics.planes);
         points = statistics.points;
     }
