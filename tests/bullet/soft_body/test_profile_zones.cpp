@@ -103,11 +103,20 @@ END_TEST
 
 const char* const s_meshZones[] = {"qcMeshContact gather", "qcMeshContact look ahead", "qcMeshContact detect"};
 
+/// Two rings, each through the other: no plane separates them.
+void AddRings(qcMeshWorld& world)
+{
+    btCollisionShape* ring = world.Keep(qcTorusModel(0.5, 0.1, 16, 8).MakeShape());
+    world.Add(ring, 1, btVector3(3, 1, 0));
+    world.Add(ring, 1, btTransform(btQuaternion(btVector3(1, 0, 0), SIMD_HALF_PI), btVector3(btScalar(3.5), 1, 0)));
+}
+
 START_TEST(mesh_contact_shows_its_stages_in_the_batch)
 {
     qcMeshWorld world;
     qcAddFloor(world, qc_floorOurs);
     world.Add(world.Keep(qcCubeModel().MakeShape()), 1, btVector3(0, btScalar(0.53), 0));
+    AddRings(world);
     Recording recording;
     world.Step(10);
     Recording::Check();
@@ -149,6 +158,7 @@ START_TEST(zones_are_left_when_a_query_of_meshes_fails)
     { return world.Add(world.Keep(qcCubeModel().MakeShape()), 1, btVector3(0, height, 0)); };
     btRigidBody* lower = add(btScalar(0.53));
     add(btScalar(1.55));
+    AddRings(world);
     world.Step(3);
     btTransform nowhere = btTransform::getIdentity();
     nowhere.setOrigin(btVector3(0, std::numeric_limits<btScalar>::quiet_NaN(), 0));
