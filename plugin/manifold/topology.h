@@ -128,7 +128,7 @@ typedef struct qcHeightRange
     double low, high;
 } qcHeightRange;
 
-/// Of two consecutive ones of a triangle's cornerLanes.
+/// The heights of two consecutive corners of a triangle's cornerLanes.
 static inline qcTwoDoubles qcTwoHeights(const double lanes[3][6], int first, qcVector origin, qcVector direction)
 {
     return (qcTwoDoubles_Load(lanes[0] + first) - qcTwoDoubles_Both(origin.x)) * qcTwoDoubles_Both(direction.x) +
