@@ -224,9 +224,9 @@ struct qcMeshContactStatistics
 /// (DBG_DrawContactPoints); debugDraw draws the triangles that the culling left.
 ///
 /// Profile zones (BT_PROFILE), at the first pair of a step: "qcMeshContact batch", and in it "qcMeshContact gather",
-/// "qcMeshContact look ahead" and "qcMeshContact detect"; at each pair "qcMeshContact manifolds"; at a pair computed
-/// alone "qcMeshContact query"; at the end of a step in which a mesh has moved "qcMeshContact limit". Within are the
-/// stages of each query: see qcDetectDef::enterStage.
+/// "qcMeshContact look ahead" and, where no plane separates a pair, "qcMeshContact detect"; at each pair "qcMeshContact
+/// manifolds"; at a pair computed alone "qcMeshContact query"; at the end of a step in which a mesh has moved
+/// "qcMeshContact limit". Within are the stages of each query: see qcDetectDef::enterStage.
 ///
 /// Must outlive the world. Thread-safety: the algorithms may run on several threads at once; the functions below belong
 /// to the world's thread.
