@@ -3,48 +3,14 @@
 #include "base/aabb.h"
 
 #include "base/four_floats.h"
+#include "base/two_doubles.h"
 
 #include <float.h>
-
-#ifdef __SSE2__
-#include <emmintrin.h>
-#endif
 
 enum
 {
     qc_boundsRun = 12 ///< numbers: four vertices
 };
-
-typedef double TwoDoubles __attribute__((vector_size(16)));
-
-static inline TwoDoubles LoadDoubles(const void* from)
-{
-    TwoDoubles doubles;
-    memcpy(&doubles, from, sizeof doubles);
-    return doubles;
-}
-
-static inline TwoDoubles MinOfDoubles(TwoDoubles a, TwoDoubles b)
-{
-#ifdef __SSE2__
-    return (TwoDoubles)_mm_min_pd((__m128d)a, (__m128d)b);
-#else
-    for (int i = 0; i < 2; i++)
-        a[i] = a[i] < b[i] ? a[i] : b[i];
-    return a;
-#endif
-}
-
-static inline TwoDoubles MaxOfDoubles(TwoDoubles a, TwoDoubles b)
-{
-#ifdef __SSE2__
-    return (TwoDoubles)_mm_max_pd((__m128d)a, (__m128d)b);
-#else
-    for (int i = 0; i < 2; i++)
-        a[i] = a[i] > b[i] ? a[i] : b[i];
-    return a;
-#endif
-}
 
 /// Defines a function over positions of one type.
 #define QC_DEFINE_INCLUDE(Name, Number, Vector, Load, Min, Max, limit)                                                 \
@@ -82,6 +48,7 @@ static inline TwoDoubles MaxOfDoubles(TwoDoubles a, TwoDoubles b)
         }                                                                                                              \
     }
 
-QC_DEFINE_INCLUDE(qcBounds_Include, double, TwoDoubles, LoadDoubles, MinOfDoubles, MaxOfDoubles, DBL_MAX)
+QC_DEFINE_INCLUDE(qcBounds_Include, double, qcTwoDoubles, qcTwoDoubles_Load, qcTwoDoubles_Min, qcTwoDoubles_Max,
+                  DBL_MAX)
 QC_DEFINE_INCLUDE(qcBounds_IncludeFloats, float, qcFourFloats, qcFourFloats_Load, qcFourFloats_Min, qcFourFloats_Max,
                   FLT_MAX)

@@ -2,7 +2,9 @@
 // bodies of their number, and a foreign order would make boxes as large as the body.
 #include "sweep/bvh/bvh_copy.h"
 
-#include <math.h>
+#include "base/aabb.h"
+
+#include <float.h>
 #include <string.h>
 
 enum
@@ -30,15 +32,12 @@ typedef struct Box
     double lower[3], upper[3];
 } Box;
 
-static const Box s_emptyBox = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-
-static void Include(Box* box, const double* lower, const double* upper)
+/// The box of one vertex or more.
+static Box BoxOf(const double (*vertices)[3], size_t count)
 {
-    for (int axis = 0; axis < 3; axis++)
-    {
-        box->lower[axis] = fmin(box->lower[axis], lower[axis]);
-        box->upper[axis] = fmax(box->upper[axis], upper[axis]);
-    }
+    Box box = {{DBL_MAX, DBL_MAX, DBL_MAX}, {-DBL_MAX, -DBL_MAX, -DBL_MAX}};
+    qcBounds_Include(vertices[0], count, box.lower, box.upper);
+    return box;
 }
 
 static double ExtentOf(const Box* box)
@@ -56,26 +55,28 @@ static double SpreadOf(const qcTriangleBvh* bvh, const qcBody* body)
     const double* positions = body->deforming ? body->world : body->local;
     const qcCorners* corners = bvh->corners.data;
     size_t clusters = bvh->corners.count / qc_clusterSize;
-    size_t samples = clusters < qc_sampledClusters ? clusters : qc_sampledClusters;
-    double sum = 0.0;
-    Box all = s_emptyBox;
+    size_t samples = clusters < qc_sampledClusters ? clusters : qc_sampledClusters, endCount = 0;
+    double sum = 0.0, ends[2 * qc_sampledClusters][3];
     for (size_t i = 0; i < samples; i++)
     {
         const qcCorners* cluster = corners + i * clusters / samples * qc_clusterSize;
-        Box box = s_emptyBox;
+        double vertices[3 * qc_clusterSize][3];
+        size_t count = 0;
         for (int k = 0; k < qc_clusterSize * 3; k++)
         {
             uint32_t vertex = cluster[k / 3].vertex[k % 3];
-            if (vertex == bvh->vertexCount)
-                continue;
-            const double* p = positions + 3 * (size_t)QC_AT(uint32_t, bvh->vertexOf, vertex);
-            Include(&box, p, p);
+            if (vertex != bvh->vertexCount)
+                memcpy(vertices[count++], positions + 3 * (size_t)QC_AT(uint32_t, bvh->vertexOf, vertex),
+                       sizeof vertices[0]);
         }
-        if (!(box.lower[0] <= box.upper[0]))
+        if (count == 0)
             continue;
+        Box box = BoxOf((const double(*)[3])vertices, count);
         sum += ExtentOf(&box);
-        Include(&all, box.lower, box.upper);
+        memcpy(ends[endCount++], box.lower, sizeof ends[0]);
+        memcpy(ends[endCount++], box.upper, sizeof ends[0]);
     }
+    Box all = BoxOf((const double(*)[3])ends, endCount);
     return sum / ExtentOf(&all);
 }
 
