@@ -130,14 +130,12 @@ typedef struct ChangedPairs
 {
     uint32_t pairs[2 * qc_maxAdjacentPairs];
     uint32_t count;
-    bool anyReliable;
 } ChangedPairs;
 
 /// Those whose normals may help.
 static void ListChanged(const Job* job, const qcNeighbourhood* n, const qcPairNormal* own, ChangedPairs* changed)
 {
     changed->count = 0;
-    changed->anyReliable = false;
     for (int side = 0; side < 2; side++)
         for (uint32_t i = 0; i < n->adjacent[side].count; i++)
         {
@@ -147,7 +145,6 @@ static void ListChanged(const Job* job, const qcNeighbourhood* n, const qcPairNo
                 other->round + 1 == job->round && (other->intersecting || (other->reliable && own->intersecting));
             changed->pairs[changed->count] = pair;
             changed->count += isListed;
-            changed->anyReliable = changed->anyReliable || (isListed && other->reliable);
         }
 }
 
@@ -190,9 +187,7 @@ static bool PropagateTo(const Job* job, uint32_t index)
     ListChanged(job, &n, own, &changed);
     if (changed.count == 0)
         return false;
-    Propagated propagated = {.cost = INFINITY};
-    if (changed.anyReliable)
-        propagated = FindPropagated(job, &n, own, &changed, true);
+    Propagated propagated = FindPropagated(job, &n, own, &changed, true);
     bool reliable = propagated.cost < INFINITY;
     if (!reliable && own->cost > n.rounding)
         propagated = FindPropagated(job, &n, own, &changed, false);
