@@ -287,7 +287,7 @@ void qcPointsAlgorithm::UpdateManifolds(std::vector<qcMeshPoint>* points, btScal
     MarkKnown(bodyA, points);
     qcPointGroup groups[s_maxGroups];
     int groupCount =
-        qcGroupPoints(points, contactDistance, threshold, m_isShared ? 1 : s_maxGroups, KeepsReached(), groups);
+        qcGroupPoints(*points, contactDistance, threshold, m_isShared ? 1 : s_maxGroups, KeepsReached(), groups);
     bool used[s_maxGroups] = {};
     for (int g = 0; g < groupCount; g++)
     {

@@ -2,6 +2,7 @@
 #include "mesh_contact/contact_reduction.h"
 
 #include <algorithm>
+#include <tuple>
 
 namespace
 {
@@ -21,11 +22,18 @@ qcTriangleSource SourceOf(const std::vector<qcTriangleSource>& sources, uint32_t
     return sources.empty() ? qcTriangleSource{0, int(triangle)} : sources[triangle];
 }
 
+/// A point with the distance by which it is ranked.
+struct RankedPoint
+{
+    const qcMeshPoint* point;
+    btScalar distance;
+};
+
 /// The points of a group before reduction.
 struct Members
 {
     btVector3 normal;
-    std::vector<const qcMeshPoint*> points;
+    std::vector<RankedPoint> points;
 };
 
 /// Distance of a point from the point, the line or the triangle that the chosen points span.
@@ -91,15 +99,14 @@ bool IsNear(const qcPointGroup& group, const qcMeshPoint& point, btScalar minSpa
 /// Adds the point that widens the group most. False: none does.
 bool ChooseNext(const Members& members, btScalar contactDistance, btScalar minSpacing, qcPointGroup* group)
 {
-    btScalar deepest = std::max(EffectiveDistance(*members.points[0], contactDistance), btScalar(0));
-    btScalar span = std::max(contactDistance - EffectiveDistance(*members.points[0], contactDistance), SIMD_EPSILON);
+    btScalar deepest = std::max(members.points[0].distance, btScalar(0));
+    btScalar span = std::max(contactDistance - members.points[0].distance, SIMD_EPSILON);
     const qcMeshPoint* best = nullptr;
     btScalar maxGain = 0;
-    for (const qcMeshPoint* point : members.points)
+    for (const auto& [point, distance] : members.points)
     {
         // A wide but distant point carries no load soon: it must not replace those that carry the body.
-        btScalar distance = std::max(EffectiveDistance(*point, contactDistance), btScalar(0));
-        btScalar gap = std::min(distance - deepest, span);
+        btScalar gap = std::min(std::max(distance, btScalar(0)) - deepest, span);
         btScalar weight = (1 - gap / span) * (1 - gap / span);
         btScalar gain = weight * ExtentOf(*group, members.normal, point->onB) * (point->isKnown ? s_knownWider : 1);
         if (gain > maxGain && !IsNear(*group, *point, minSpacing))
@@ -142,7 +149,7 @@ int KeepReached(const Members& members, btScalar contactDistance, btScalar minSp
                 qcPointGroup* groups)
 {
     int count = 1;
-    for (const qcMeshPoint* point : members.points)
+    for (const auto& [point, distance] : members.points)
     {
         auto isNear = [&](const qcPointGroup& group) { return IsNear(group, *point, minSpacing); };
         if (!IsReached(*point, contactDistance) || std::any_of(groups, groups + count, isNear))
@@ -162,7 +169,7 @@ int KeepReached(const Members& members, btScalar contactDistance, btScalar minSp
 void ChoosePoints(const Members& members, btScalar contactDistance, btScalar minSpacing, qcPointGroup* group)
 {
     group->count = 1;
-    group->points[0] = members.points[0];
+    group->points[0] = members.points[0].point;
     while (group->count < 4 && ChooseNext(members, contactDistance, minSpacing, group))
     {
     }
@@ -176,24 +183,29 @@ void ChoosePoints(const Members& members, btScalar contactDistance, btScalar min
 }
 } // namespace
 
-int qcGroupPoints(std::vector<qcMeshPoint>* points, btScalar contactDistance, btScalar minSpacing, int maxGroups,
+int qcGroupPoints(const std::vector<qcMeshPoint>& points, btScalar contactDistance, btScalar minSpacing, int maxGroups,
                   bool keepsReached, qcPointGroup* groups)
 {
+    std::vector<RankedPoint> ranked;
+    ranked.reserve(points.size());
+    for (const qcMeshPoint& point : points)
+        ranked.push_back({&point, EffectiveDistance(point, contactDistance)});
     // Points that are reached within the step have equal ranks: the deepest at its end is the first.
-    auto rank = [contactDistance](const qcMeshPoint& point)
-    { return std::make_pair(EffectiveDistance(point, contactDistance), point.endDistance); };
-    std::stable_sort(points->begin(), points->end(),
-                     [rank](const qcMeshPoint& a, const qcMeshPoint& b) { return rank(a) < rank(b); });
+    std::sort(ranked.begin(), ranked.end(),
+              [](const RankedPoint& a, const RankedPoint& b) {
+                  return std::tie(a.distance, a.point->endDistance, a.point) <
+                         std::tie(b.distance, b.point->endDistance, b.point);
+              });
     std::vector<Members> members;
-    for (const qcMeshPoint& point : *points)
+    for (const RankedPoint& point : ranked)
     {
+        const btVector3& normal = point.point->normal;
         auto isLessSimilar = [&](const Members& a, const Members& b)
-        { return a.normal.dot(point.normal) < b.normal.dot(point.normal); };
+        { return a.normal.dot(normal) < b.normal.dot(normal); };
         auto nearest = std::max_element(members.begin(), members.end(), isLessSimilar);
-        if (nearest == members.end() ||
-            (nearest->normal.dot(point.normal) < s_sameGroup && int(members.size()) < maxGroups))
-            nearest = members.insert(members.end(), Members{point.normal, {}});
-        nearest->points.push_back(&point);
+        if (nearest == members.end() || (nearest->normal.dot(normal) < s_sameGroup && int(members.size()) < maxGroups))
+            nearest = members.insert(members.end(), Members{normal, {}});
+        nearest->points.push_back(point);
     }
     int count = int(members.size());
     for (size_t g = 0; g < members.size(); g++)

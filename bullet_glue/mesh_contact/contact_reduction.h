@@ -42,9 +42,9 @@ struct qcPointGroup
 /// it, or four that carry it: for rigid bodies only the hull of points with equal normals matters. `keepsReached`:
 /// points with one normal that bodies reach fast within the step fill further groups, since a body turns about those
 /// that stop it. Distances are beyond the margins; points with distances closer to `contactDistance` have less weight.
-/// At either end the points of a group are further apart than `minSpacing` and than their distances. Reorders `points`,
-/// to which the groups refer. Returns the number of groups, at most `maxGroups`. O(points * (log(points) + maxGroups)).
-int qcGroupPoints(std::vector<qcMeshPoint>* points, btScalar contactDistance, btScalar minSpacing, int maxGroups,
+/// At either end the points of a group are further apart than `minSpacing` and than their distances. The groups refer
+/// to `points`. Returns the number of groups, at most `maxGroups`. O(points * (log(points) + maxGroups)).
+int qcGroupPoints(const std::vector<qcMeshPoint>& points, btScalar contactDistance, btScalar minSpacing, int maxGroups,
                   bool keepsReached, qcPointGroup* groups);
 
 #endif
