@@ -1,14 +1,15 @@
 // Small meshes as their convex hulls.
 #include "common/support_mesh.h"
 
+#include "common/lanes.h"
+
 #include <algorithm>
 #include <cstring>
 
 namespace
 {
-// Vertices are compared in blocks of vectors: GCC 12 makes scalar instructions of loops over arrays of this size.
-typedef btScalar Lanes __attribute__((vector_size(16)));
-constexpr size_t s_lanes = sizeof(Lanes) / sizeof(btScalar), s_block = 2 * s_lanes;
+// Vertices are compared in blocks of two vectors.
+constexpr size_t s_block = 2 * qcLaneCount;
 // A fragment of a fracture has some hundred triangles, a fine one thousands, and a plane between it and the next: with
 // up to 600, 31 pieces of a bunny of 69 666 triangles take 2.7 s for their first step, and 0.02 s with this. Bunnies of
 // 69 666 triangles are seldom separated, and take a seventh more (qc-bench piles).
@@ -41,13 +42,6 @@ void MakeLists(uint32_t vertexCount, uint32_t itemCount, int corners, Item item,
             lists->numbers[--lists->starts[item(i, c)]] = i;
 }
 
-Lanes Load(const btScalar* at)
-{
-    Lanes lanes;
-    std::memcpy(&lanes, at, sizeof lanes);
-    return lanes;
-}
-
 /// The coordinates of vertices, and the direction with which their products are compared.
 struct Products
 {
@@ -55,9 +49,9 @@ struct Products
     btScalar dx, dy, dz;
 
     /// The products of the vertices from `first` on.
-    Lanes At(size_t first) const
+    qcLanes At(size_t first) const
     {
-        return Load(x + first) * dx + Load(y + first) * dy + Load(z + first) * dz;
+        return qcLoadLanes(x + first) * dx + qcLoadLanes(y + first) * dy + qcLoadLanes(z + first) * dz;
     }
 };
 
@@ -108,17 +102,6 @@ class FaceBins
 
     std::vector<uint32_t> m_bins[s_bins + 2];
 };
-
-/// True if a lane is at least `least`.
-bool IsAnyAbove(const Lanes& lanes, btScalar least)
-{
-    auto isAbove = lanes >= least;
-    uint64_t words[sizeof isAbove / sizeof(uint64_t)], any = 0;
-    std::memcpy(words, &isAbove, sizeof words);
-    for (uint64_t word : words)
-        any |= word;
-    return any != 0;
-}
 } // namespace
 
 bool qcSupportMesh::IsSmall(size_t triangleCount)
@@ -230,16 +213,16 @@ const qcSupportMesh::EdgeLists& qcSupportMesh::KeepEdges() const
 btScalar qcSupportMesh::Max(const btVector3& direction) const
 {
     const Products products{m_x.data(), m_y.data(), m_z.data(), direction.x(), direction.y(), direction.z()};
-    Lanes low = Lanes{} - BT_LARGE_FLOAT, high = low;
+    qcLanes low = qcLanes{} - BT_LARGE_FLOAT, high = low;
     for (size_t i = 0; i < m_x.size(); i += s_block)
     {
-        Lanes first = products.At(i), second = products.At(i + s_lanes);
+        qcLanes first = products.At(i), second = products.At(i + qcLaneCount);
         low = first > low ? first : low;
         high = second > high ? second : high;
     }
     low = high > low ? high : low;
     btScalar max = low[0];
-    for (size_t lane = 1; lane < s_lanes; lane++)
+    for (size_t lane = 1; lane < qcLaneCount; lane++)
         max = std::max(max, low[lane]);
     return max;
 }
@@ -248,10 +231,10 @@ uint32_t qcSupportMesh::FindMax(const btVector3& direction) const
 {
     const Products products{m_x.data(), m_y.data(), m_z.data(), direction.x(), direction.y(), direction.z()};
     btScalar max = Max(direction);
-    for (size_t i = 0; i < m_triangles.pointCount; i += s_lanes)
+    for (size_t i = 0; i < m_triangles.pointCount; i += qcLaneCount)
     {
-        Lanes lanes = products.At(i);
-        if (!IsAnyAbove(lanes, max))
+        qcLanes lanes = products.At(i);
+        if (!qcIsAny(lanes >= max))
             continue;
         size_t lane = 0;
         while (lanes[lane] < max)
@@ -264,12 +247,12 @@ uint32_t qcSupportMesh::FindMax(const btVector3& direction) const
 void qcSupportMesh::AppendAbove(const btVector3& direction, btScalar least, std::vector<uint32_t>* vertices) const
 {
     const Products products{m_x.data(), m_y.data(), m_z.data(), direction.x(), direction.y(), direction.z()};
-    for (size_t i = 0; i < m_triangles.pointCount; i += s_lanes)
+    for (size_t i = 0; i < m_triangles.pointCount; i += qcLaneCount)
     {
-        Lanes lanes = products.At(i);
-        if (!IsAnyAbove(lanes, least))
+        qcLanes lanes = products.At(i);
+        if (!qcIsAny(lanes >= least))
             continue;
-        for (size_t lane = 0; lane < std::min(s_lanes, m_triangles.pointCount - i); lane++)
+        for (size_t lane = 0; lane < std::min(qcLaneCount, m_triangles.pointCount - i); lane++)
             if (lanes[lane] >= least)
                 vertices->push_back(uint32_t(i + lane));
     }

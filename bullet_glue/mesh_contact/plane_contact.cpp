@@ -13,6 +13,50 @@ qcTriangleSource SourceIn(const qcMeshTriangles& triangles, uint32_t triangle)
     return triangles.sources.empty() ? qcTriangleSource{0, int(triangle)} : triangles.sources[triangle];
 }
 
+/// Which triangles are over a place along the plane, and at what heights.
+struct Heights
+{
+    decltype(qcLanes() < qcLanes()) isOver;
+    qcLanes height;
+
+    Heights(const qcFlatSimplices<3>::Block& triangles, const qcFlat& place)
+    {
+        qcLanes weights[3], sum{};
+        for (size_t c = 0; c < 3; c++)
+        {
+            const size_t p = (c + 1) % 3, q = (c + 2) % 3;
+            weights[c] = (triangles.u[p] - place.u) * (triangles.v[q] - place.v) -
+                         (triangles.v[p] - place.v) * (triangles.u[q] - place.u);
+            sum += weights[c];
+        }
+        isOver = ((sum > 0) & (weights[0] >= 0) & (weights[1] >= 0) & (weights[2] >= 0)) |
+                 ((sum < 0) & (weights[0] <= 0) & (weights[1] <= 0) & (weights[2] <= 0));
+        height =
+            (weights[0] * triangles.height[0] + weights[1] * triangles.height[1] + weights[2] * triangles.height[2]) /
+            (isOver ? sum : qcLanes{} + 1);
+    }
+};
+
+/// Which edges cross an edge of A, as seen along the axis, and where.
+struct Crossings
+{
+    decltype(qcLanes() < qcLanes()) cross;
+    qcLanes partA;   ///< of the edge of A
+    qcLanes heightB; ///< of the other edge there
+
+    Crossings(const qcFlatSimplices<2>::Block& edges, const qcFlat& from, const qcFlat& to)
+    {
+        const btScalar pu = to.u - from.u, pv = to.v - from.v;
+        const qcLanes qu = edges.u[1] - edges.u[0], qv = edges.v[1] - edges.v[0];
+        const qcLanes du = edges.u[0] - from.u, dv = edges.v[0] - from.v;
+        const qcLanes area = pu * qv - pv * qu, divisor = area != 0 ? area : qcLanes{} + 1;
+        partA = (du * qv - dv * qu) / divisor;
+        const qcLanes partB = (du * pv - dv * pu) / divisor;
+        cross = (area != 0) & (partA >= 0) & (partA <= 1) & (partB >= 0) & (partB <= 1);
+        heightB = edges.height[0] + partB * (edges.height[1] - edges.height[0]);
+    }
+};
+
 /// A triangle with all of these vertices; the count of triangles if there is none.
 uint32_t FindTriangle(const qcMeshTriangles& triangles, const uint32_t* corners, int count)
 {
@@ -39,8 +83,8 @@ void qcPlaneContact::ReadTriangles(const qcSupportMesh& mesh, const View& view, 
         bool isFirst = std::none_of(index, index + 3,
                                     [&](uint32_t corner) { return corner < vertex && side->isNear[corner] != 0; });
         if (isFirst)
-            side->triangles.push_back(
-                {{view(all.points[index[0]]), view(all.points[index[1]]), view(all.points[index[2]])}, *t});
+            side->triangles.Add({view(all.points[index[0]]), view(all.points[index[1]]), view(all.points[index[2]])},
+                                *t);
     }
 }
 
@@ -57,7 +101,7 @@ void qcPlaneContact::ReadEdges(const qcSupportMesh& mesh, const View& view, uint
         btVector3 along = points[edge.to] - points[edge.from];
         btScalar rise = along.dot(view.height);
         if (rise * rise <= s_steepEdge * s_steepEdge * along.length2())
-            side->edges.push_back({view(points[edge.from]), view(points[edge.to]), edge.triangle});
+            side->edges.Add({view(points[edge.from]), view(points[edge.to])}, edge.triangle);
     }
 }
 
@@ -69,8 +113,8 @@ void qcPlaneContact::Read(const qcPlacedSupport& placed, const btVector3& outwar
     View view{placed.ToLocal(m_u), placed.ToLocal(m_v), placed.ToLocal(m_axis),
               btVector3(from.dot(m_u), from.dot(m_v), from.dot(m_axis))};
     side->vertices.clear();
-    side->triangles.clear();
-    side->edges.clear();
+    side->triangles.Clear();
+    side->edges.Clear();
     side->near.clear();
     btVector3 local = placed.ToLocal(outward);
     mesh.AppendAbove(local, mesh.Max(local) - thickness, &side->near);
@@ -105,111 +149,65 @@ void qcPlaneContact::AddPoint(const qcFlat& onA, const qcFlat& onB, uint32_t tri
     m_points.push_back(point);
 }
 
-/// The height of a triangle at a place along the plane. False: the place is beside the triangle.
-bool qcPlaneContact::FindHeight(const Triangle& triangle, const qcFlat& place, btScalar* height)
-{
-    btScalar weights[3], sum = 0;
-    for (int c = 0; c < 3; c++)
-    {
-        const qcFlat &p = triangle.corners[(c + 1) % 3], &q = triangle.corners[(c + 2) % 3];
-        weights[c] = (p.u - place.u) * (q.v - place.v) - (p.v - place.v) * (q.u - place.u);
-        sum += weights[c];
-    }
-    bool inside = sum > 0 ? weights[0] >= 0 && weights[1] >= 0 && weights[2] >= 0
-                          : sum < 0 && weights[0] <= 0 && weights[1] <= 0 && weights[2] <= 0;
-    if (inside)
-        *height = (weights[0] * triangle.corners[0].height + weights[1] * triangle.corners[1].height +
-                   weights[2] * triangle.corners[2].height) /
-                  sum;
-    return inside;
-}
-
-void qcFlatBoxes::Clear()
-{
-    m_boxes.clear();
-    m_widest = 0;
-}
-
-void qcFlatBoxes::Add(std::initializer_list<qcFlat> corners)
-{
-    qcFlatBox box(corners);
-    box.number = uint32_t(m_boxes.size());
-    m_widest = std::max(m_widest, box.highU - box.lowU);
-    m_boxes.push_back(box);
-}
-
-void qcFlatBoxes::Sort()
-{
-    std::sort(m_boxes.begin(), m_boxes.end(), [](const qcFlatBox& a, const qcFlatBox& b) { return a.lowU < b.lowU; });
-}
-
-const std::vector<uint32_t>& qcFlatBoxes::FindNear(const qcFlatBox& box, btScalar slack)
-{
-    m_found.clear();
-    auto isBefore = [](const qcFlatBox& some, btScalar u) { return some.lowU < u; };
-    auto near = std::lower_bound(m_boxes.begin(), m_boxes.end(), box.lowU - slack - m_widest, isBefore);
-    for (; near != m_boxes.end() && near->lowU <= box.highU + slack; ++near)
-        if (near->highU >= box.lowU - slack && near->lowV <= box.highV + slack && near->highV >= box.lowV - slack)
-            m_found.push_back(near->number);
-    std::sort(m_found.begin(), m_found.end());
-    return m_found;
-}
-
 /// Adds the vertices of one side that lie over the other.
-void qcPlaneContact::AddVertices(const Side& vertices, const Side& triangles, bool ofA)
+void qcPlaneContact::AddVertices(const Side& vertices, const Triangles& triangles, bool ofA)
 {
-    m_boxes.Clear();
-    for (const Triangle& triangle : triangles.triangles)
-        m_boxes.Add({triangle.corners[0], triangle.corners[1], triangle.corners[2]});
-    m_boxes.Sort();
     for (const Vertex& vertex : vertices.vertices)
     {
-        // The layer next to the plane.
-        const Triangle* nearest = nullptr;
+        // The layer next to the plane: the first triangle of those with the same height.
+        uint32_t nearest = UINT32_MAX;
         qcFlat below = vertex.place;
-        for (uint32_t number : m_boxes.FindNear({vertex.place}, m_slack))
+        auto [block, end] = triangles.FindBlocks(vertex.place.u - m_slack, vertex.place.u + m_slack);
+        for (; block < end; block++)
         {
-            const Triangle& triangle = triangles.triangles[number];
-            btScalar height;
-            if (!FindHeight(triangle, vertex.place, &height) ||
-                (nearest != nullptr && (ofA ? height >= below.height : height <= below.height)))
+            const Heights heights(triangles.At(block), vertex.place);
+            if (!qcIsAny(heights.isOver))
                 continue;
-            nearest = &triangle;
-            below.height = height;
+            for (size_t lane = 0; lane < qcLaneCount; lane++)
+            {
+                if (heights.isOver[lane] == 0)
+                    continue;
+                const uint32_t number = triangles.NumberAt(block, lane);
+                const btScalar height = heights.height[lane];
+                const bool isNearer = ofA ? height < below.height : height > below.height;
+                if (nearest != UINT32_MAX && !isNearer && !(height == below.height && number < nearest))
+                    continue;
+                nearest = number;
+                below.height = height;
+            }
         }
-        if (nearest != nullptr && ofA)
-            AddPoint(vertex.place, below, vertex.triangle, nearest->index);
-        else if (nearest != nullptr)
-            AddPoint(below, vertex.place, nearest->index, vertex.triangle);
+        if (nearest == UINT32_MAX)
+            continue;
+        if (ofA)
+            AddPoint(vertex.place, below, vertex.triangle, triangles.TriangleOf(nearest));
+        else
+            AddPoint(below, vertex.place, triangles.TriangleOf(nearest), vertex.triangle);
     }
 }
 
-/// Adds the place where two edges cross, as seen along the axis.
-void qcPlaneContact::AddCrossing(const Edge& p, const Edge& q)
+/// Adds the places where an edge of A crosses edges of B, as seen along the axis.
+void qcPlaneContact::AddCrossings(const qcFlat& from, const qcFlat& to, uint32_t triangle, const Edges& edges)
 {
-    btScalar pu = p.to.u - p.from.u, pv = p.to.v - p.from.v, qu = q.to.u - q.from.u, qv = q.to.v - q.from.v;
-    btScalar cross = pu * qv - pv * qu, du = q.from.u - p.from.u, dv = q.from.v - p.from.v;
-    if (cross == 0)
-        return;
-    btScalar s = (du * qv - dv * qu) / cross, t = (du * pv - dv * pu) / cross;
-    if (!(s >= 0 && s <= 1 && t >= 0 && t <= 1))
-        return;
-    qcFlat onA{p.from.u + s * pu, p.from.v + s * pv, p.from.height + s * (p.to.height - p.from.height)};
-    qcFlat onB = onA;
-    onB.height = q.from.height + t * (q.to.height - q.from.height);
-    AddPoint(onA, onB, p.triangle, q.triangle);
-}
-
-/// Adds the places where edges of both sides cross.
-void qcPlaneContact::AddCrossings()
-{
-    m_boxes.Clear();
-    for (const Edge& edge : m_b.edges)
-        m_boxes.Add({edge.from, edge.to});
-    m_boxes.Sort();
-    for (const Edge& edge : m_a.edges)
-        for (uint32_t number : m_boxes.FindNear({edge.from, edge.to}, m_slack))
-            AddCrossing(edge, m_b.edges[number]);
+    m_crossings.clear();
+    auto [block, end] = edges.FindBlocks(std::min(from.u, to.u) - m_slack, std::max(from.u, to.u) + m_slack);
+    for (; block < end; block++)
+    {
+        const Crossings crossings(edges.At(block), from, to);
+        if (!qcIsAny(crossings.cross))
+            continue;
+        for (size_t lane = 0; lane < qcLaneCount; lane++)
+            if (crossings.cross[lane] != 0)
+                m_crossings.push_back({edges.NumberAt(block, lane), crossings.partA[lane], crossings.heightB[lane]});
+    }
+    std::sort(m_crossings.begin(), m_crossings.end(),
+              [](const Crossing& x, const Crossing& y) { return x.number < y.number; });
+    for (const Crossing& crossing : m_crossings)
+    {
+        const btScalar part = crossing.partA;
+        qcFlat onA{from.u + part * (to.u - from.u), from.v + part * (to.v - from.v),
+                   from.height + part * (to.height - from.height)};
+        AddPoint(onA, {onA.u, onA.v, crossing.heightB}, triangle, edges.TriangleOf(crossing.number));
+    }
 }
 
 /// Adds the closest points of the hulls if they are points of the meshes. False: they are not.
@@ -256,9 +254,13 @@ bool qcPlaneContact::Find(const qcPlacedSupport& a, const qcPlacedSupport& b, co
     btScalar thickness = distance - separation.gap;
     Read(a, m_axis, thickness, &m_a);
     Read(b, -m_axis, thickness, &m_b);
-    AddVertices(m_a, m_b, true);
-    AddVertices(m_b, m_a, false);
-    AddCrossings();
+    m_a.triangles.Sort();
+    m_b.triangles.Sort();
+    m_b.edges.Sort();
+    AddVertices(m_a, m_b.triangles, true);
+    AddVertices(m_b, m_a.triangles, false);
+    for (uint32_t edge = 0; edge < m_a.edges.Count(); edge++)
+        AddCrossings(m_a.edges.CornerAt(edge, 0), m_a.edges.CornerAt(edge, 1), m_a.edges.TriangleOf(edge), m_b.edges);
     if (m_points.empty() && !(orClosest && AddClosest(a, b, separation)))
         return false;
     points->insert(points->end(), m_points.begin(), m_points.end());

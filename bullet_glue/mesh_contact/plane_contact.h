@@ -4,58 +4,14 @@
 #define QC_GLUE_MESH_CONTACT_PLANE_CONTACT_H
 
 #include "mesh_contact/contact_reduction.h"
+#include "mesh_contact/flat_simplices.h"
 #include "mesh_contact/separating_axis.h"
-
-#include <algorithm>
-#include <initializer_list>
 
 /// Where hulls overlap by more than this part of the contact breaking threshold, no plane describes the contact of the
 /// meshes.
 constexpr btScalar qcMaxHullOverlap = btScalar(0.3);
 /// Normals of faces are preferred to other axes that make the gap larger by up to this part of the threshold.
 constexpr btScalar qcFaceSlack = btScalar(0.02);
-
-/// A point in the frame of a plane: two coordinates along it, and its height.
-struct qcFlat
-{
-    btScalar u, v, height;
-};
-
-/// A box around points, as seen along the plane's normal.
-struct qcFlatBox
-{
-    btScalar lowU = BT_LARGE_FLOAT, highU = -BT_LARGE_FLOAT, lowV = BT_LARGE_FLOAT, highV = -BT_LARGE_FLOAT;
-    uint32_t number = 0; ///< in the order of Add
-
-    qcFlatBox(std::initializer_list<qcFlat> points)
-    {
-        for (const qcFlat& point : points)
-        {
-            lowU = std::min(lowU, point.u);
-            highU = std::max(highU, point.u);
-            lowV = std::min(lowV, point.v);
-            highV = std::max(highV, point.v);
-        }
-    }
-};
-
-/// Boxes, sorted along one axis. Keeps its memory.
-class qcFlatBoxes
-{
-  public:
-    void Clear();
-    void Add(std::initializer_list<qcFlat> corners);
-    /// Call it after the last Add.
-    void Sort();
-    /// The numbers of the boxes that are at most `slack` from a box, the least first. Valid until the next call.
-    /// O(boxes of which the widest one could reach the box).
-    const std::vector<uint32_t>& FindNear(const qcFlatBox& box, btScalar slack);
-
-  private:
-    std::vector<qcFlatBox> m_boxes;
-    std::vector<uint32_t> m_found;
-    btScalar m_widest = 0;
-};
 
 /// Finds contact points up to a distance along the axis. Keeps its memory.
 class qcPlaneContact
@@ -72,17 +28,8 @@ class qcPlaneContact
                             std::vector<qcMeshPoint>* points);
 
   private:
-    struct Edge
-    {
-        qcFlat from, to;
-        uint32_t triangle;
-    };
-
-    struct Triangle
-    {
-        qcFlat corners[3];
-        uint32_t index;
-    };
+    typedef qcFlatSimplices<2> Edges;
+    typedef qcFlatSimplices<3> Triangles;
 
     struct Vertex
     {
@@ -105,27 +52,33 @@ class qcPlaneContact
     struct Side
     {
         std::vector<Vertex> vertices;
-        std::vector<Triangle> triangles; ///< with a vertex next to the plane, but steep ones
-        std::vector<Edge> edges;         ///< likewise; edges within flat faces are left out
-        std::vector<uint32_t> near;      ///< vertices
-        std::vector<uint8_t> isNear;     ///< by vertex
+        Triangles triangles;         ///< with a vertex next to the plane, but steep ones
+        Edges edges;                 ///< likewise; edges within flat faces are left out
+        std::vector<uint32_t> near;  ///< vertices
+        std::vector<uint8_t> isNear; ///< by vertex
+    };
+
+    /// Where an edge crosses another one.
+    struct Crossing
+    {
+        uint32_t number; ///< of the other edge
+        btScalar partA;  ///< of the edge of A
+        btScalar heightB;
     };
 
     void Read(const qcPlacedSupport& placed, const btVector3& outward, btScalar thickness, Side* side) const;
     static void ReadTriangles(const qcSupportMesh& mesh, const View& view, uint32_t vertex, Side* side);
     static void ReadEdges(const qcSupportMesh& mesh, const View& view, uint32_t vertex, Side* side);
     void AddPoint(const qcFlat& onA, const qcFlat& onB, uint32_t triangleA, uint32_t triangleB);
-    static bool FindHeight(const Triangle& triangle, const qcFlat& place, btScalar* height);
-    void AddVertices(const Side& vertices, const Side& triangles, bool ofA);
-    void AddCrossing(const Edge& p, const Edge& q);
-    void AddCrossings();
+    void AddVertices(const Side& vertices, const Triangles& triangles, bool ofA);
+    void AddCrossings(const qcFlat& from, const qcFlat& to, uint32_t triangle, const Edges& edges);
     bool AddClosest(const qcPlacedSupport& a, const qcPlacedSupport& b, const qcSeparation& separation);
 
     btVector3 m_u, m_v, m_axis, m_origin;
     btScalar m_distance = 0;
     btScalar m_slack = 0; ///< rounding of places along the plane
     Side m_a, m_b;
-    qcFlatBoxes m_boxes;
+    std::vector<Crossing> m_crossings;
     std::vector<qcMeshPoint> m_points;
     const qcMeshTriangles *m_trianglesA = nullptr, *m_trianglesB = nullptr;
 };

@@ -163,31 +163,42 @@ END_TEST
 
 START_TEST(points_of_cubes_on_each_other_are_the_corners_of_the_common_area)
 {
-    Placed a(Box(btScalar(0.5), btScalar(0.5), btScalar(0.5)), btTransform::getIdentity());
-    Placed b(Box(btScalar(0.5), btScalar(0.5), btScalar(0.5)),
-             btTransform(btQuaternion::getIdentity(), btVector3(btScalar(0.3), btScalar(1.003), btScalar(0.2))));
-    qcSeparation found = qcFindSeparation(a.at, b.at, btVector3(0, 0, 0), BT_LARGE_FLOAT, btScalar(1e-4));
-    ck_assert_double_eq_tol(double(found.axis.y()), 1, 1e-5);
-    std::vector<qcMeshPoint> points;
-    qcPlaneContact contact;
-    ck_assert(contact.Find(a.at, b.at, found, btScalar(0.01), true, &points));
-    bool corners[2][2] = {};
-    for (const qcMeshPoint& point : points)
+    const btVector3 half(btScalar(0.5), btScalar(0.5), btScalar(0.5));
+    // Sides of one square, of 4 and of 400: few triangles next to a plane are compared all, many are sorted.
+    for (auto [cellsA, cellsB] : {std::make_pair(1, 1), {2, 20}, {20, 2}, {20, 20}})
     {
-        ck_assert_double_eq_tol(double(point.distance), 0.003, 1e-5);
-        ck_assert_double_eq_tol(double(point.normal.y()), -1, 1e-5);
-        ck_assert_double_eq_tol(double(point.onA.y()), 0.5, 1e-5);
-        for (int x : {0, 1})
-            for (int z : {0, 1})
-                if (btFabs(point.onA.x() - btScalar(x == 0 ? -0.2 : 0.5)) < btScalar(1e-4) &&
-                    btFabs(point.onA.z() - btScalar(z == 0 ? -0.3 : 0.5)) < btScalar(1e-4))
-                    corners[x][z] = true;
+        Placed a(qcBoxModel(half, cellsA), btTransform::getIdentity());
+        Placed b(qcBoxModel(half, cellsB),
+                 btTransform(btQuaternion::getIdentity(), btVector3(btScalar(0.3), btScalar(1.003), btScalar(0.2))));
+        qcSeparation found = qcFindSeparation(a.at, b.at, btVector3(0, 0, 0), BT_LARGE_FLOAT, btScalar(1e-4));
+        ck_assert_double_eq_tol(double(found.axis.y()), 1, 1e-5);
+        std::vector<qcMeshPoint> points;
+        qcPlaneContact contact;
+        ck_assert(contact.Find(a.at, b.at, found, btScalar(0.01), true, &points));
+        bool corners[2][2] = {};
+        size_t verticesOfA = 0;
+        for (const qcMeshPoint& point : points)
+        {
+            ck_assert_double_eq_tol(double(point.distance), 0.003, 1e-5);
+            ck_assert_double_eq_tol(double(point.normal.y()), -1, 1e-5);
+            ck_assert_double_eq_tol(double(point.onA.y()), 0.5, 1e-5);
+            for (int x : {0, 1})
+                for (int z : {0, 1})
+                    if (btFabs(point.onA.x() - btScalar(x == 0 ? -0.2 : 0.5)) < btScalar(1e-4) &&
+                        btFabs(point.onA.z() - btScalar(z == 0 ? -0.3 : 0.5)) < btScalar(1e-4))
+                        corners[x][z] = true;
+            auto isOnGrid = [cellsA = cellsA](btScalar x)
+            { return btFabs(x * btScalar(cellsA) - std::round(x * btScalar(cellsA))) < btScalar(1e-3); };
+            verticesOfA += isOnGrid(point.onA.x() + btScalar(0.5)) && isOnGrid(point.onA.z() + btScalar(0.5));
+        }
+        ck_assert(corners[0][0] && corners[0][1] && corners[1][0] && corners[1][1]);
+        // Those that lie over the other cube: 0.7 by 0.8 of the side.
+        ck_assert_uint_ge(verticesOfA, size_t(0.7 * cellsA) * size_t(0.8 * cellsA));
+        // Too far apart.
+        points.clear();
+        ck_assert(!contact.Find(a.at, b.at, found, btScalar(0.002), false, &points));
+        ck_assert(points.empty());
     }
-    ck_assert(corners[0][0] && corners[0][1] && corners[1][0] && corners[1][1]);
-    // Too far apart.
-    points.clear();
-    ck_assert(!contact.Find(a.at, b.at, found, btScalar(0.002), false, &points));
-    ck_assert(points.empty());
 }
 END_TEST
 
@@ -341,32 +352,47 @@ START_TEST(a_body_in_the_mouth_of_another_has_no_points_in_the_air)
 }
 END_TEST
 
-START_TEST(boxes_near_a_box_are_found_in_their_order)
+START_TEST(all_edges_in_an_interval_are_found_once_with_their_corners)
 {
-    auto randomPoint = [](btScalar extent) { return qcFlat{RandomIn(0, extent), RandomIn(0, extent), 0}; };
-    qcFlatBoxes boxes;
-    for (int run = 0; run < s_runs; run++)
+    auto randomPoint = [](btScalar extent) { return qcFlat{RandomIn(0, extent), RandomIn(0, extent), RandomIn(0, 1)}; };
+    qcFlatSimplices<2> edges;
+    for (uint32_t run = 0; run < s_runs; run++)
     {
-        std::vector<qcFlatBox> all;
-        boxes.Clear();
-        for (int i = 0; i < run; i++)
+        std::vector<std::pair<qcFlat, qcFlat>> all;
+        edges.Clear();
+        for (uint32_t i = 0; i < run; i++)
         {
             // Every fourth one is long.
             qcFlat from = randomPoint(1), to = randomPoint(1);
             if (i % 4 != 0)
-                to = {from.u + to.u / 20, from.v + to.v / 20, 0};
-            boxes.Add({from, to});
-            all.push_back(qcFlatBox({from, to}));
+                to = {from.u + to.u / 20, from.v + to.v / 20, to.height};
+            edges.Add({from, to}, 1000 + i);
+            all.emplace_back(from, to);
+            ck_assert(edges.CornerAt(i, 1).height == to.height);
         }
-        boxes.Sort();
-        qcFlatBox box({randomPoint(1), randomPoint(1)});
-        const btScalar slack = run % 2 == 0 ? btScalar(0) : btScalar(0.01);
-        std::vector<uint32_t> near;
-        for (uint32_t i = 0; i < all.size(); i++)
-            if (all[i].lowU <= box.highU + slack && all[i].highU >= box.lowU - slack &&
-                all[i].lowV <= box.highV + slack && all[i].highV >= box.lowV - slack)
-                near.push_back(i);
-        ck_assert(boxes.FindNear(box, slack) == near);
+        edges.Sort();
+        const btScalar low = RandomIn(0, 1), high = low + RandomIn(0, btScalar(0.1));
+        std::vector<int> found(run);
+        auto [block, end] = edges.FindBlocks(low, high);
+        const size_t blocks = end - block;
+        for (; block < end; block++)
+            for (size_t lane = 0; lane < qcLaneCount && block * qcLaneCount + lane < run; lane++)
+            {
+                const uint32_t number = edges.NumberAt(block, lane);
+                const auto& corners = edges.At(block);
+                found[number]++;
+                ck_assert_uint_eq(edges.TriangleOf(number), 1000 + number);
+                ck_assert(corners.u[0][lane] == all[number].first.u && corners.v[1][lane] == all[number].second.v &&
+                          corners.height[0][lane] == all[number].first.height);
+            }
+        for (uint32_t i = 0; i < run; i++)
+        {
+            auto [from, to] = std::minmax(all[i].first.u, all[i].second.u);
+            ck_assert_int_le(found[i], 1);
+            ck_assert(found[i] == 1 || from > high || to < low);
+        }
+        // Where edges are sorted, some are left out.
+        ck_assert(run < 200 || low < btScalar(0.5) || blocks * qcLaneCount < run);
     }
 }
 END_TEST
@@ -408,5 +434,6 @@ QC_RUN_TESTS("separating planes", the_gap_of_convex_meshes_is_their_distance, no
              points_lie_on_both_meshes_and_one_is_where_they_are_nearest,
              boxes_cut_from_one_touch_at_corners_of_the_cut,
              boxes_that_are_apart_overlap_or_have_no_common_corners_do_not_touch,
-             a_body_in_the_mouth_of_another_has_no_points_in_the_air, boxes_near_a_box_are_found_in_their_order,
+             a_body_in_the_mouth_of_another_has_no_points_in_the_air,
+             all_edges_in_an_interval_are_found_once_with_their_corners,
              faces_are_the_largest_sets_of_parallel_triangles)
