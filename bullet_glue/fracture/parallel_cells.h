@@ -6,8 +6,8 @@
 
 #include <functional>
 
-/// Calls function(index, scratch) once for each index below `count`, by qcParallelFor. No two calls at the same time
-/// have the same scratch. The first exception of a worker is thrown here when all calls have returned.
+/// Calls function(index, scratch) once for each index below `count`, by qcForEach. No two calls at the same time have
+/// the same scratch.
 void qcForEachInParallel(size_t count, const std::function<void(size_t index, qcClipScratch* scratch)>& function);
 
 #endif

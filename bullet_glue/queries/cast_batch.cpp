@@ -1,12 +1,12 @@
 // Rays and sweeps in batches, on threads.
 #include "quickcullide/bullet_queries.h"
 
+#include "common/parallel_loop.h"
 #include "quickcullide/bullet_broadphase.h"
 
 #include <BulletCollision/CollisionShapes/btConvexShape.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <new>
 #include <vector>
@@ -121,31 +121,11 @@ qcCastHit CastOne(const btCollisionWorld& world, const btConvexShape& shape, con
 template <typename Cast>
 qcStatus ForEach(const btCollisionWorld& world, const qcCastDef& def, size_t count, qcCastHit* hits, const Cast& cast)
 {
-    struct Loop
-    {
-        const Cast& cast;
-        std::vector<qcCastHit> found;
-        std::atomic<bool> failed{false};
-    } loop{cast, std::vector<qcCastHit>(count)};
-    auto function = [](size_t block, uint32_t, void* context)
-    {
-        auto* running = static_cast<Loop*>(context);
-        size_t end = std::min((block + 1) * s_blockSize, running->found.size());
-        try
-        {
-            for (size_t i = block * s_blockSize; i < end; i++)
-                running->found[i] = running->cast(i);
-        }
-        catch (const std::bad_alloc&)
-        {
-            running->failed = true;
-        }
-    };
-    bool threaded = dynamic_cast<const qcBroadphase*>(world.getBroadphase()) != nullptr;
-    qcParallelFor(threaded ? def.threads : 1, (count + s_blockSize - 1) / s_blockSize, function, &loop);
-    if (loop.failed)
-        return qc_statusOutOfMemory;
-    std::copy(loop.found.begin(), loop.found.end(), hits);
+    std::vector<qcCastHit> found(count);
+    const bool threaded = dynamic_cast<const qcBroadphase*>(world.getBroadphase()) != nullptr;
+    qcForEach(threaded ? qcWorkersOf(def.threads) : 1, count, s_blockSize,
+              [&](size_t i, uint32_t) { found[i] = cast(i); });
+    std::copy(found.begin(), found.end(), hits);
     return qc_statusOk;
 }
 
