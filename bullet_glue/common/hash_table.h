@@ -74,6 +74,11 @@ template <typename Key, typename Value> class qcHashTable
         return slot != 0 ? &m_entries[slot - 1].value : nullptr;
     }
 
+    Value* Find(const Key& key)
+    {
+        return const_cast<Value*>(static_cast<const qcHashTable*>(this)->Find(key));
+    }
+
     /// In the order in which they were added.
     const std::vector<Entry>& Entries() const
     {

@@ -54,24 +54,25 @@ uint64_t qcAxisCache::KeyOf(const btCollisionObject* a, const btCollisionObject*
     return uint64_t(low) << 32 | high;
 }
 
-qcAxisCache::Axis& qcAxisCache::AxisOf(const btCollisionObject* a, const btCollisionObject* b)
+void qcAxisCache::AddPair(const btCollisionObject* a, const btCollisionObject* b)
 {
-    Axis& entry = m_axes.FindOrAdd(KeyOf(a, b), {btVector3(0, 0, 0), m_step});
-    entry.step = m_step;
-    return entry;
+    m_axes.FindOrAdd(KeyOf(a, b), {btVector3(0, 0, 0), m_step}).step = m_step;
 }
 
 btVector3 qcAxisCache::GetAxis(const btCollisionObject* a, const btTransform& atA, const btCollisionObject* b,
                                const btTransform& atB)
 {
-    const btVector3& axis = AxisOf(a, b).axis;
-    return qcUniqueIdOf(a) < qcUniqueIdOf(b) ? atA.getBasis() * axis : -(atB.getBasis() * axis);
+    Axis* kept = m_axes.Find(KeyOf(a, b));
+    if (kept == nullptr)
+        return btVector3(0, 0, 0);
+    kept->step = m_step;
+    return qcUniqueIdOf(a) < qcUniqueIdOf(b) ? atA.getBasis() * kept->axis : -(atB.getBasis() * kept->axis);
 }
 
 void qcAxisCache::KeepAxis(const btCollisionObject* a, const btTransform& atA, const btCollisionObject* b,
                            const btTransform& atB, const btVector3& axis)
 {
-    AxisOf(a, b).axis = qcUniqueIdOf(a) < qcUniqueIdOf(b) ? axis * atA.getBasis() : -axis * atB.getBasis();
+    m_axes.Find(KeyOf(a, b))->axis = qcUniqueIdOf(a) < qcUniqueIdOf(b) ? axis * atA.getBasis() : -axis * atB.getBasis();
 }
 
 void qcAxisCache::KeepTouching(const btCollisionObject* a, const qcPlacedSupport& atA, const btCollisionObject* b,

@@ -16,10 +16,13 @@ class qcAxisCache
     void BeginStep();
     /// The object's mesh; null if it does not consist of one small mesh.
     const qcSupportMesh* FindMesh(const btCollisionObject* object);
+    /// Makes room for the axis of a pair.
+    void AddPair(const btCollisionObject* a, const btCollisionObject* b);
     /// The kept axis of a pair, from the first object to the second; 0 for a new pair. It turns with the object that
-    /// entered the world first.
+    /// entered the world first. This and KeepAxis may run on several threads at once for different pairs.
     btVector3 GetAxis(const btCollisionObject* a, const btTransform& atA, const btCollisionObject* b,
                       const btTransform& atB);
+    /// Only after AddPair in the same step.
     void KeepAxis(const btCollisionObject* a, const btTransform& atA, const btCollisionObject* b,
                   const btTransform& atB, const btVector3& axis);
     /// Keeps until the next step that the meshes of two objects touch along faces at these places.
@@ -52,7 +55,6 @@ class qcAxisCache
     };
 
     static uint64_t KeyOf(const btCollisionObject* a, const btCollisionObject* b);
-    Axis& AxisOf(const btCollisionObject* a, const btCollisionObject* b);
 
     std::unordered_map<const btCollisionShape*, Mesh> m_meshes;
     qcHashTable<uint64_t, Axis> m_axes;     ///< by the unique ids of two objects

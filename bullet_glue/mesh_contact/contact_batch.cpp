@@ -76,7 +76,8 @@ void qcMeshBatch::ReadPairs()
 {
     BT_PROFILE("qcMeshContact planes");
     m_axes.BeginStep();
-    m_planes.Begin(m_scene.GetTimeStep());
+    const std::vector<qcBatchPair>& due = m_validity.GetDue();
+    const std::vector<qcPlanePairs::Contact>& contacts = m_planes.Compute(due, m_scene.GetTimeStep(), settings.threads);
     m_impacts.Begin(m_scene.GetTimeStep());
     m_triangleSlots.clear();
     auto moving = [this](const btCollisionObject* object, const qcBatchObject& gathered, const qcBatchMesh& mesh)
@@ -91,10 +92,11 @@ void qcMeshBatch::ReadPairs()
                             gathered.maxContactDistance,
                             m_axes.FindMesh(object)};
     };
-    for (const qcBatchPair& pair : m_validity.GetDue())
+    for (size_t i = 0; i < due.size(); i++)
     {
+        const qcBatchPair& pair = due[i];
         const qcBatchObject &a = *pair.gathered0, &b = *pair.gathered1;
-        const qcPlanePairs::Contact known = m_planes.AddPair(pair.object0, a, pair.object1, b);
+        const qcPlanePairs::Contact known = contacts[i];
         if (known == qcPlanePairs::Contact::all)
             continue;
         btVector3 axis(0, 0, 0);
@@ -109,7 +111,6 @@ void qcMeshBatch::ReadPairs()
                         MarkTriangles(meshA.id.slot, meshB.id.slot);
                 }
     }
-    m_planes.End();
     statistics.planes = m_planes.GetPairCount();
 }
 

@@ -1,6 +1,7 @@
 // Meshes never pass each other: objects whose motions are not proven apart over a step are pushed apart, or cut back.
 #include "mesh_contact/motion_limiter.h"
 
+#include "common/parallel_loop.h"
 #include "common/stopwatch.h"
 #include "mesh_contact/touching_faces.h"
 
@@ -24,6 +25,8 @@ constexpr int s_maxCuts = 12, s_maxCommon = 24;
 constexpr int s_planeRounds = 6, s_planeSweeps = 8;
 // Likewise while pieces of a cut press on each other, from the second round on: pushes have to reach all of a heap.
 constexpr int s_closingRounds = 24, s_closingSweeps = 256;
+// Pairs that a thread takes at a time, each of some tenths of a microsecond, and of some microseconds.
+constexpr size_t s_gapBlock = 256, s_hullBlock = 32;
 // Sweeps of impulses over the planes of pairs that contact did not stop.
 constexpr int s_impulseSweeps = 4;
 
@@ -328,26 +331,41 @@ void qcMotionLimiter::FindPairs(bool isFirst)
                      [](const qcSweptPair& pair) { return pair.first->isUnmoved && pair.second->isUnmoved; });
 }
 
-/// The object in the scene of contact, or null; looked up once a step.
-const qcBatchObject* qcMotionLimiter::KnownOf(qcSweptObject* swept)
+/// Finds the object in the scene of contact, once a step.
+void qcMotionLimiter::LookUp(qcSweptObject* swept)
 {
     if (!swept->isLookedUp)
         swept->known = m_gaps.FindCurrent(swept->object);
     swept->isLookedUp = true;
-    return swept->known;
+}
+
+/// Leaves out the pairs of which a function of their index is true. Calls for different pairs may run at once, on
+/// threads that take `block` pairs at a time.
+void qcMotionLimiter::RemovePairs(size_t block, const std::function<bool(size_t)>& isProven)
+{
+    m_isProven.resize(m_pairs.size());
+    qcForEach(qcWorkersOf(m_settings.threads), m_pairs.size(), block,
+              [&](size_t i, uint32_t) { m_isProven[i] = isProven(i); });
+    size_t kept = 0;
+    for (size_t i = 0; i < m_pairs.size(); i++)
+        if (!m_isProven[i])
+            m_pairs[kept++] = m_pairs[i];
+    m_pairs.resize(kept);
 }
 
 /// Leaves out the pairs whose motion is small against the gap between them.
 void qcMotionLimiter::SkipProvenPairs()
 {
-    auto isProven = [this](const qcSweptPair& pair)
+    for (const qcSweptPair& pair : m_pairs)
+        for (qcSweptObject* swept : {pair.first, pair.second})
+            LookUp(swept);
+    auto isProven = [this](size_t i)
     {
-        const qcSweptObject &a = *pair.first, &b = *pair.second;
-        const qcBatchObject *knownA = KnownOf(pair.first), *knownB = KnownOf(pair.second);
-        return knownA != nullptr && knownB != nullptr &&
-               m_gaps.StayApart({*knownA, a.start, a.end}, {*knownB, b.start, b.end});
+        const qcSweptObject &a = *m_pairs[i].first, &b = *m_pairs[i].second;
+        return a.known != nullptr && b.known != nullptr &&
+               m_gaps.StayApart({*a.known, a.start, a.end}, {*b.known, b.start, b.end});
     };
-    m_pairs.erase(std::remove_if(m_pairs.begin(), m_pairs.end(), isProven), m_pairs.end());
+    RemovePairs(s_gapBlock, isProven);
 }
 
 void qcMotionLimiter::SortPairs()
@@ -356,10 +374,11 @@ void qcMotionLimiter::SortPairs()
 }
 
 /// True if one direction separates two small meshes as a whole at the start and at the end of the step. New objects
-/// that touch, up to rounding, are exempt: planes only keep them from going deeper.
-bool qcMotionLimiter::IsSeparated(const qcSweptPair& pair)
+/// that touch, up to rounding, are exempt: planes only keep them from going deeper. `touch`: where they do.
+bool qcMotionLimiter::IsSeparated(const qcSweptPair& pair, Touch* touch) const
 {
     const qcSweptObject &a = *pair.first, &b = *pair.second;
+    touch->touches = false;
     if (a.hull == nullptr || b.hull == nullptr)
         return false;
     qcPlacedSupport startA{a.hull, a.start}, startB{b.hull, b.start}, endA{a.hull, a.end}, endB{b.hull, b.end};
@@ -375,7 +394,7 @@ bool qcMotionLimiter::IsSeparated(const qcSweptPair& pair)
     btVector3 keptAtStart = m_axes.GetAxis(a.object, a.start, b.object, b.start);
     if (areTouching || (isNew && !keptAtStart.fuzzyZero() && qcTouchAlong(startA, startB, keptAtStart)))
     {
-        m_touching.Keep(pair, keptAtStart, depth, &m_planes);
+        *touch = {true, keptAtStart, depth};
         return true;
     }
     // Only hulls that overlap by rounding need more than the search for the largest gap.
@@ -385,7 +404,7 @@ bool qcMotionLimiter::IsSeparated(const qcSweptPair& pair)
     const btScalar factor = m_touching.Include(pair) ? btScalar(2) : btScalar(1);
     if (isNew && atStart.gap <= factor * error && atStart.gap >= -factor * depth)
     {
-        m_touching.Keep(pair, atStart.axis, depth, &m_planes);
+        *touch = {true, atStart.axis, depth};
         return true;
     }
     if (atStart.gap <= error)
@@ -399,10 +418,13 @@ bool qcMotionLimiter::IsSeparated(const qcSweptPair& pair)
 
 void qcMotionLimiter::SkipSeparatedPairs()
 {
+    const std::vector<qcSweptPair> pairs = m_pairs;
+    m_touches.resize(pairs.size());
+    RemovePairs(s_hullBlock, [this](size_t i) { return IsSeparated(m_pairs[i], &m_touches[i]); });
     m_touching.BeginRound();
-    m_pairs.erase(
-        std::remove_if(m_pairs.begin(), m_pairs.end(), [this](const qcSweptPair& pair) { return IsSeparated(pair); }),
-        m_pairs.end());
+    for (size_t i = 0; i < pairs.size(); i++)
+        if (m_touches[i].touches)
+            m_touching.Keep(pairs[i], m_touches[i].axis, m_touches[i].depth, &m_planes);
 }
 
 /// Leaves out the pairs that are exempt, and those that the last detection did not report and that have not moved

@@ -9,6 +9,7 @@
 #include "mesh_contact/swept_scene.h"
 #include "mesh_contact/touching_pairs.h"
 
+#include <functional>
 #include <map>
 
 /// A step of an object in the scene of contact.
@@ -27,7 +28,7 @@ class qcKnownGaps
     /// computed anew.
     virtual const qcBatchObject* FindCurrent(const btCollisionObject* object) = 0;
     /// True if the meshes of two objects have no common point at any time of a step in which their vertices move along
-    /// straight lines. False proves nothing.
+    /// straight lines. False proves nothing. It may run on several threads at once.
     virtual bool StayApart(const qcKnownStep& a, const qcKnownStep& b) = 0;
 };
 
@@ -36,7 +37,7 @@ class qcMotionLimiter
 {
   public:
     qcMotionLimiter(const qcBatchSettings& settings, qcKnownGaps& gaps, qcAxisCache& axes)
-        : m_gaps(gaps), m_axes(axes), m_objects(settings, axes), m_scene(settings)
+        : m_settings(settings), m_gaps(gaps), m_axes(axes), m_objects(settings, axes), m_scene(settings)
     {
     }
     qcMotionLimiter(const qcMotionLimiter&) = delete;
@@ -69,6 +70,14 @@ class qcMotionLimiter
         btScalar made = 0;     ///< part of their motions that the objects make in this round
     };
 
+    /// Where two small meshes touch at the start of the step, if they do.
+    struct Touch
+    {
+        bool touches;
+        btVector3 axis;
+        btScalar depth; ///< up to rounding
+    };
+
     bool IsExempt(const qcSweptObject& a, const qcSweptObject& b) const;
     bool AreInEachOther(const qcSweptObject& a, const qcSweptObject& b, const qcProximity& atStart) const;
     bool CollectMeetings(const qcResult& result);
@@ -85,10 +94,11 @@ class qcMotionLimiter
     std::map<Numbers, Block> FindBlocks() const;
     void Cut(int round);
     void FindPairs(bool isFirst);
+    void RemovePairs(size_t block, const std::function<bool(size_t)>& isProven);
     void SkipProvenPairs();
-    const qcBatchObject* KnownOf(qcSweptObject* swept);
+    void LookUp(qcSweptObject* swept);
     void SortPairs();
-    bool IsSeparated(const qcSweptPair& pair);
+    bool IsSeparated(const qcSweptPair& pair, Touch* touch) const;
     void SkipSeparatedPairs();
     void SkipSettledPairs(const std::set<Numbers>& reported);
     bool StopPairs(bool pushes, int cuts, std::set<Numbers>* reported);
@@ -98,12 +108,15 @@ class qcMotionLimiter
     void Run(btScalar timeStep, qcMeshContactStatistics* statistics);
     void WriteStatistics(double start, qcMeshContactStatistics* statistics);
 
+    const qcBatchSettings& m_settings;
     qcKnownGaps& m_gaps;
     qcAxisCache& m_axes;
     qcSweptObjects m_objects;
     qcMotionIslands m_islands;
     qcSweptScene m_scene;
     std::vector<qcSweptPair> m_pairs;                  ///< to certify
+    std::vector<uint8_t> m_isProven;                   ///< by pair; scratch
+    std::vector<Touch> m_touches;                      ///< likewise
     std::vector<qcSweptPair> m_unprovenPairs;          ///< of the present round, by their objects' numbers
     std::vector<qcSweptTriangles> m_unprovenTriangles; ///< of the last detection
     std::set<Numbers> m_exempt;  ///< objects that penetrate at the start of the step, or can't be kept apart in it

@@ -1,6 +1,7 @@
 // Pairs of small meshes that a plane separates. Why contact is searched this far: plugin/docs/mesh_contact.md.
 #include "mesh_contact/plane_pairs.h"
 
+#include "common/parallel_loop.h"
 #include "mesh_contact/touching_faces.h"
 
 #include <algorithm>
@@ -14,6 +15,8 @@ constexpr btScalar s_maxTurn = btScalar(0.05);
 // They are sampled by planes if one of the two has more triangles than this: 12 tori of 576 come to rest after 13 s
 // then, and after 8 s if their triangles are sampled (qc-bench piles, seven seeds), at the same cost.
 constexpr size_t s_fewTriangles = 600;
+// Pairs that a thread takes at a time: of 2 to 10 microseconds each, so that fewer are not worth a second thread.
+constexpr size_t s_block = 32;
 
 /// How fast two meshes approach each other: the motion of one relative to the other, where the smaller one is.
 struct Approach
@@ -42,38 +45,47 @@ Approach ApproachOf(const qcRigidMotion& motionA, const qcPlacedSupport& a, cons
 }
 } // namespace
 
-void qcPlanePairs::Begin(btScalar timeStep)
+/// Reads an object of one mesh.
+void qcPlanePairs::ReadBody(const btCollisionObject* object, const qcBatchObject& gathered)
 {
-    m_timeStep = timeStep;
-    m_contactCount = 0;
-    m_pairs.clear();
-    m_points.clear();
-    m_bodies.clear();
-    m_links.clear();
-}
-
-/// The entry of an object of one mesh.
-qcPlanePairs::Body& qcPlanePairs::BodyOf(const btCollisionObject* object, const qcBatchObject& gathered)
-{
+    if (gathered.meshes.size() != 1)
+        return;
     size_t slot = gathered.meshes.front().id.slot;
     m_bodies.resize(std::max(m_bodies.size(), slot + 1));
     Body& body = m_bodies[slot];
     if (!body.isKnown)
         body = {true, m_cache.FindMesh(object), qcRigidMotion(object)};
-    return body;
 }
 
-qcPlanePairs::Contact qcPlanePairs::AddPair(const btCollisionObject* object0, const qcBatchObject& a,
-                                            const btCollisionObject* object1, const qcBatchObject& b)
+/// An object's mesh and its place; a null mesh: it does not consist of one small mesh.
+qcPlacedSupport qcPlanePairs::SideOf(const qcBatchObject& gathered) const
 {
-    if (a.meshes.size() != 1 || b.meshes.size() != 1)
-        return Contact::none;
-    const qcBatchMesh &placedA = a.meshes.front(), &placedB = b.meshes.front();
-    const qcSupportMesh *meshA = BodyOf(object0, a).mesh, *meshB = BodyOf(object1, b).mesh;
-    if (meshA == nullptr || meshB == nullptr || !placedA.placed || !placedB.placed)
-        return Contact::none;
-    qcPlacedSupport sideA{meshA, placedA.transform}, sideB{meshB, placedB.transform};
-    const qcRigidMotion &motionA = m_bodies[placedA.id.slot].motion, &motionB = m_bodies[placedB.id.slot].motion;
+    const bool isPlaced = gathered.meshes.size() == 1 && gathered.meshes.front().placed;
+    if (!isPlaced)
+        return {nullptr, btTransform::getIdentity()};
+    const qcBatchMesh& mesh = gathered.meshes.front();
+    return {m_bodies[mesh.id.slot].mesh, mesh.transform};
+}
+
+/// True if both objects consist of one small mesh each.
+bool qcPlanePairs::AreSmall(const qcBatchPair& pair) const
+{
+    return SideOf(*pair.gathered0).mesh != nullptr && SideOf(*pair.gathered1).mesh != nullptr;
+}
+
+/// Computes the contact of a pair. Calls with different workers may run at once.
+qcPlanePairs::Result qcPlanePairs::ComputePair(const qcBatchPair& duePair, size_t index, uint32_t worker)
+{
+    Result result{};
+    if (!AreSmall(duePair))
+        return result;
+    const btCollisionObject *object0 = duePair.object0, *object1 = duePair.object1;
+    const qcBatchObject &a = *duePair.gathered0, &b = *duePair.gathered1;
+    const uint32_t slotA = a.meshes.front().id.slot, slotB = b.meshes.front().id.slot;
+    const qcPlacedSupport sideA = SideOf(a), sideB = SideOf(b);
+    const qcSupportMesh *meshA = sideA.mesh, *meshB = sideB.mesh;
+    const qcRigidMotion &motionA = m_bodies[slotA].motion, &motionB = m_bodies[slotB].motion;
+    std::vector<qcMeshPoint>& points = m_workers[worker].points;
     Approach approach = ApproachOf(motionA, sideA, motionB, sideB, m_timeStep);
     btScalar threshold = std::min(a.threshold, b.threshold), margins = a.margin + b.margin;
     btScalar rest = qcBatchScene::s_restDistance * threshold;
@@ -86,51 +98,99 @@ qcPlanePairs::Contact qcPlanePairs::AddPair(const btCollisionObject* object0, co
         max = std::max({max, travelA, travelB});
     btVector3 guess = m_cache.GetAxis(object0, sideA.transform, object1, sideB.transform);
     qcSeparation separation;
-    bool isTouching = guess.fuzzyZero() && qcFindTouchingFaces(sideA, sideB, &separation);
-    if (isTouching)
-        m_cache.KeepTouching(object0, sideA, object1, sideB);
-    else
+    result.isTouching = guess.fuzzyZero() && qcFindTouchingFaces(sideA, sideB, &separation);
+    if (!result.isTouching)
         separation =
             qcFindSeparation(sideA, sideB, guess, std::max(distance, rest + max) + margins, qcFaceSlack * threshold);
     m_cache.KeepAxis(object0, sideA.transform, object1, sideB.transform, separation.axis);
     btScalar closing = approach.Along(separation.axis);
     distance = std::max(distance, rest + closing) + margins;
     // Two that turn touch elsewhere than where they are nearest: samples follow the motion.
-    const bool turns = !isTouching && separation.gap <= distance && approach.turn > spacing;
+    const bool turns = !result.isTouching && separation.gap <= distance && approach.turn > spacing;
     if (turns && std::max(meshA->Triangles().count, meshB->Triangles().count) <= s_fewTriangles)
-        return Contact::none;
+        return result;
     if (turns)
         distance = qcBatchScene::ContactDistance(a, b) + margins;
-    Pair pair{placedA.id.slot, placedB.id.slot, false, m_points.size(), m_points.size(), separation.gap};
+    result.pair = {slotA, slotB, false, worker, points.size(), points.size(), separation.gap};
     bool hasContact = separation.gap <= distance;
-    if (hasContact)
-    {
-        if (isTouching)
-            qcPlaneContact::AddTouching(sideA, sideB, separation, &m_points);
-        else if (separation.gap < -qcMaxHullOverlap * threshold ||
-                 !m_contact.Find(sideA, sideB, separation, distance, turns || closing <= spacing, &m_points))
-            return Contact::none;
-        pair.end = m_points.size();
-        m_contactCount++;
-    }
+    if (result.isTouching && hasContact)
+        qcPlaneContact::AddTouching(sideA, sideB, separation, &points);
+    else if (hasContact && (separation.gap < -qcMaxHullOverlap * threshold ||
+                            !m_workers[worker].contact.Find(sideA, sideB, separation, distance,
+                                                            turns || closing <= spacing, &points)))
+        return result;
+    result.pair.end = points.size();
     if (!turns && std::max(travelA, travelB) > spacing && separation.gap <= rest + max + margins)
-        m_links.push_back({sideA,
-                           sideB,
-                           pair.low,
-                           pair.high,
-                           {travelA <= spacing, travelB <= spacing},
-                           hasContact,
-                           separation,
-                           margins,
-                           rest,
-                           m_pairs.size()});
-    if (pair.low > pair.high)
+        m_workers[worker].links.push_back({sideA,
+                                           sideB,
+                                           slotA,
+                                           slotB,
+                                           {travelA <= spacing, travelB <= spacing},
+                                           hasContact,
+                                           separation,
+                                           margins,
+                                           rest,
+                                           index});
+    if (slotA > slotB)
     {
-        std::swap(pair.low, pair.high);
-        pair.isSwapped = true;
+        std::swap(result.pair.low, result.pair.high);
+        result.pair.isSwapped = true;
     }
-    m_pairs.push_back(pair);
-    return turns ? Contact::atStart : Contact::all;
+    result.known = turns ? Contact::atStart : Contact::all;
+    return result;
+}
+
+/// Collects what the workers have computed, in the order of the pairs.
+void qcPlanePairs::Collect(const std::vector<qcBatchPair>& pairs)
+{
+    m_pairs.clear();
+    m_links.clear();
+    m_known.clear();
+    std::vector<size_t> places(pairs.size());
+    for (size_t i = 0; i < pairs.size(); i++)
+    {
+        const Result& result = m_results[i];
+        m_known.push_back(result.known);
+        if (result.isTouching)
+            m_cache.KeepTouching(pairs[i].object0, SideOf(*pairs[i].gathered0), pairs[i].object1,
+                                 SideOf(*pairs[i].gathered1));
+        places[i] = m_pairs.size();
+        if (result.known != Contact::none)
+            m_pairs.push_back(result.pair);
+    }
+    for (const Worker& worker : m_workers)
+        m_links.insert(m_links.end(), worker.links.begin(), worker.links.end());
+    std::sort(m_links.begin(), m_links.end(), [](const Link& x, const Link& y) { return x.pair < y.pair; });
+    for (Link& link : m_links)
+        link.pair = places[link.pair];
+}
+
+const std::vector<qcPlanePairs::Contact>& qcPlanePairs::Compute(const std::vector<qcBatchPair>& pairs,
+                                                                btScalar timeStep, unsigned threads)
+{
+    m_timeStep = timeStep;
+    m_bodies.clear();
+    for (const qcBatchPair& pair : pairs)
+    {
+        ReadBody(pair.object0, *pair.gathered0);
+        ReadBody(pair.object1, *pair.gathered1);
+        if (AreSmall(pair))
+            m_cache.AddPair(pair.object0, pair.object1);
+    }
+    m_workers.resize(qcWorkersOf(threads));
+    for (Worker& worker : m_workers)
+    {
+        worker.points.clear();
+        worker.links.clear();
+    }
+    m_results.resize(pairs.size());
+    qcForEach(uint32_t(m_workers.size()), pairs.size(), s_block,
+              [&](size_t i, uint32_t worker) { m_results[i] = ComputePair(pairs[i], i, worker); });
+    Collect(pairs);
+    Follow();
+    std::sort(m_pairs.begin(), m_pairs.end(),
+              [](const Pair& x, const Pair& y) { return std::tie(x.low, x.high) < std::tie(y.low, y.high); });
+    return m_known;
 }
 
 /// How much a pair has closed in along its axis at a time.
@@ -170,19 +230,20 @@ bool qcPlanePairs::FollowLink(Link* link)
     if (!link->hasContact)
     {
         Pair& pair = m_pairs[link->pair];
+        Worker& worker = m_workers[pair.worker];
         btScalar closing = ClosingUntil(*link, m_timeStep);
-        size_t begin = m_points.size();
+        size_t begin = worker.points.size();
         link->hasContact = true;
-        if (!m_contact.Find(link->a, link->b, link->separation, closing + link->rest + link->margins, false, &m_points))
+        if (!worker.contact.Find(link->a, link->b, link->separation, closing + link->rest + link->margins, false,
+                                 &worker.points))
         {
             link->separation.gap = BT_LARGE_FLOAT; // they pass each other
             return false;
         }
         pair.begin = begin;
-        pair.end = m_points.size();
+        pair.end = worker.points.size();
         for (size_t i = begin; i < pair.end; i++)
-            m_points[i].endDistance = m_points[i].distance - link->margins - closing;
-        m_contactCount++;
+            worker.points[i].endDistance = worker.points[i].distance - link->margins - closing;
     }
     Body &a = m_bodies[link->slotA], &b = m_bodies[link->slotB];
     btScalar stopA = link->isQuasiStatic[1] || b.stopTime <= time ? time : BT_LARGE_FLOAT;
@@ -193,7 +254,8 @@ bool qcPlanePairs::FollowLink(Link* link)
     return changes;
 }
 
-void qcPlanePairs::End()
+/// Adds contact of bodies that follow one that is stopped in the step.
+void qcPlanePairs::Follow()
 {
     bool changes = true;
     for (int pass = 0; pass < qcMaxStops && changes; pass++)
@@ -202,8 +264,6 @@ void qcPlanePairs::End()
         for (Link& link : m_links)
             changes = FollowLink(&link) || changes;
     }
-    std::sort(m_pairs.begin(), m_pairs.end(),
-              [](const Pair& x, const Pair& y) { return std::tie(x.low, x.high) < std::tie(y.low, y.high); });
 }
 
 const qcPlanePairs::Pair* qcPlanePairs::Find(uint32_t slotA, uint32_t slotB) const
@@ -224,7 +284,7 @@ double qcPlanePairs::AppendPoints(qcBodyId a, qcBodyId b, std::vector<qcMeshPoin
     bool isSwapped = (a.slot > b.slot) != pair->isSwapped;
     for (size_t i = pair->begin; i < pair->end; i++)
     {
-        points->push_back(m_points[i]);
+        points->push_back(m_workers[pair->worker].points[i]);
         qcMeshPoint& point = points->back();
         if (!isSwapped)
             continue;

@@ -13,21 +13,17 @@ class qcPlanePairs
     {
     }
 
-    /// Clears the pairs and points of the previous step, and sets the time step.
-    void Begin(btScalar timeStep);
     enum class Contact
     {
         none,    ///< not known: its triangles have to be tested
         atStart, ///< at the beginning of the step: the two turn, and have to be sampled
         all      ///< of the step
     };
-    /// Computes the contact of a pair, at the transforms that the scene has. Returns what of it is known.
-    Contact AddPair(const btCollisionObject* object0, const qcBatchObject& a, const btCollisionObject* object1,
-                    const qcBatchObject& b);
-    /// Call it after the last AddPair, before the following ones. Adds contact of bodies that follow one that is
-    /// stopped in the step.
-    void End();
-    /// True if AddPair has computed the contact of two meshes, named by their slots.
+    /// Computes the contact of all pairs of a step, at the transforms that the scene has, and of bodies that follow one
+    /// that is stopped in the step. Returns for each pair what of it is known; valid until the next call. `threads`: 0:
+    /// one per core.
+    const std::vector<Contact>& Compute(const std::vector<qcBatchPair>& pairs, btScalar timeStep, unsigned threads);
+    /// True if Compute has computed the contact of two meshes, named by their slots.
     bool Has(uint32_t slotA, uint32_t slotB) const
     {
         return Find(slotA, slotB) != nullptr;
@@ -39,21 +35,13 @@ class qcPlanePairs
     {
         return int(m_pairs.size());
     }
-    /// Pairs with contact points.
-    int GetContactCount() const
-    {
-        return m_contactCount;
-    }
-    int GetPointCount() const
-    {
-        return int(m_points.size());
-    }
 
   private:
     struct Pair
     {
         uint32_t low, high; ///< slots
         bool isSwapped;     ///< points have the higher slot as A
+        uint32_t worker;    ///< whose points the pair has
         size_t begin, end;  ///< points
         btScalar gap;       ///< along the axis
     };
@@ -75,23 +63,44 @@ class qcPlanePairs
         bool hasContact;       ///< its points are known
         qcSeparation separation;
         btScalar margins, rest;
-        size_t pair; ///< index
+        size_t pair; ///< index; among all pairs of the step until Compute has read them all
+    };
+
+    /// What has been computed of a pair of the step.
+    struct Result
+    {
+        Contact known;
+        bool isTouching; ///< along faces
+        Pair pair;       ///< unless nothing is known
+    };
+
+    /// What belongs to a worker of a loop over pairs.
+    struct Worker
+    {
+        qcPlaneContact contact;
+        std::vector<qcMeshPoint> points;
+        std::vector<Link> links;
     };
 
     const Pair* Find(uint32_t slotA, uint32_t slotB) const;
-    Body& BodyOf(const btCollisionObject* object, const qcBatchObject& gathered);
+    void ReadBody(const btCollisionObject* object, const qcBatchObject& gathered);
+    qcPlacedSupport SideOf(const qcBatchObject& gathered) const;
+    bool AreSmall(const qcBatchPair& pair) const;
+    Result ComputePair(const qcBatchPair& pair, size_t index, uint32_t worker);
+    void Collect(const std::vector<qcBatchPair>& pairs);
+    void Follow();
     btScalar ClosingUntil(const Link& link, btScalar time) const;
     btScalar TouchTime(const Link& link) const;
     bool FollowLink(Link* link);
 
     qcAxisCache& m_cache;
     btScalar m_timeStep = 0;
-    int m_contactCount = 0;
-    std::vector<Pair> m_pairs; ///< sorted by slots after End
-    std::vector<qcMeshPoint> m_points;
-    std::vector<Body> m_bodies; ///< by slot
-    std::vector<Link> m_links;
-    qcPlaneContact m_contact;
+    std::vector<Worker> m_workers;
+    std::vector<Result> m_results; ///< by index of the step's pair
+    std::vector<Contact> m_known;  ///< likewise
+    std::vector<Pair> m_pairs;     ///< sorted by slots
+    std::vector<Body> m_bodies;    ///< by slot
+    std::vector<Link> m_links;     ///< by index of their pairs
 };
 
 #endif

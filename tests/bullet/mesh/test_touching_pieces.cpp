@@ -123,6 +123,36 @@ START_TEST(pieces_that_a_floor_of_any_mesh_stops_do_not_penetrate)
 }
 END_TEST
 
+/// Where the pieces of a cut are after some steps on a number of threads.
+std::vector<btTransform> PlacesAfter(int steps, unsigned threads)
+{
+    qcMeshWorld world;
+    world.contact.setThreadCount(threads);
+    qcAddFloor(world, qc_floorStatic);
+    Pieces pieces;
+    AddPieces(&world, CutDef(), 5, &pieces);
+    int planes = 0, limited = 0;
+    for (int step = 0; step < steps; step++)
+    {
+        world.world.stepSimulation(s_pieceStep, 0);
+        planes = std::max(planes, world.contact.getStatistics().planes);
+        limited += world.contact.getStatistics().limited;
+    }
+    // Loops over many pairs, and pieces that the limits move.
+    ck_assert_int_gt(planes, 200);
+    ck_assert_int_gt(limited, 0);
+    std::vector<btTransform> places;
+    for (const auto& body : world.bodies)
+        places.push_back(body->getWorldTransform());
+    return places;
+}
+
+START_TEST(pieces_move_in_the_same_way_on_any_number_of_threads)
+{
+    ck_assert(PlacesAfter(8, 4) == PlacesAfter(8, 1));
+}
+END_TEST
+
 START_TEST(pieces_that_stood_still_do_not_penetrate_when_they_break_off)
 {
     qcModel floor = qcFloorModel(4, 8);
@@ -364,6 +394,7 @@ END_TEST
 } // namespace
 
 QC_RUN_TESTS("touching pieces", pieces_that_a_floor_of_any_mesh_stops_do_not_penetrate,
+             pieces_move_in_the_same_way_on_any_number_of_threads,
              pieces_that_stood_still_do_not_penetrate_when_they_break_off, pieces_of_many_triangles_do_not_penetrate,
              fine_pieces_with_planes_between_them_need_no_triangles, pieces_that_break_off_a_compound_do_not_penetrate,
              pieces_far_from_the_origin_do_not_penetrate, a_plate_that_touches_a_floor_is_not_driven_through_it,
