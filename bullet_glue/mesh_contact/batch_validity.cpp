@@ -1,11 +1,18 @@
 // Decides which pairs of a step have to be queried.
 #include "mesh_contact/batch_validity.h"
 
+#include "common/parallel_loop.h"
 #include "mesh_contact/box_gap.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 
 #include <algorithm>
+
+namespace
+{
+// Pairs that a thread takes at a time, each of some tenths of a microsecond.
+constexpr size_t s_checkBlock = 256;
+} // namespace
 
 bool qcBatchValidity::IsChanged(const btCollisionObject* object, qcBatchObject* gathered) const
 {
@@ -87,10 +94,10 @@ bool qcBatchValidity::AreFar(const qcBatchPair& pair, qcPairContact* contact) co
     return true;
 }
 
-bool qcBatchValidity::Check()
+/// Collects the pairs of the world that the library computes.
+void qcBatchValidity::CollectPairs()
 {
-    m_number++;
-    m_due.clear();
+    m_present.clear();
     btDispatcher* dispatcher = m_scene.GetSettings().world->getDispatcher();
     m_scene.ForEachPair(
         [&](const btCollisionObject* object0, const btCollisionObject* object1)
@@ -103,13 +110,28 @@ bool qcBatchValidity::Check()
                 std::swap(a, b);
                 std::swap(object0, object1);
             }
-            qcBatchPair due{object0, object1, a, b};
-            qcPairContact& pair = m_pairs.FindOrAdd(a->owner, b->owner);
-            pair.isDue = !Holds(pair, *a, *b) && !AreFar(due, &pair);
-            pair.checked = m_number;
-            if (pair.isDue)
-                m_due.push_back(due);
+            m_present.push_back({object0, object1, a, b});
+            m_pairs.FindOrAdd(a->owner, b->owner);
         });
+}
+
+bool qcBatchValidity::Check()
+{
+    m_number++;
+    CollectPairs();
+    auto checkPair = [this](size_t i, uint32_t)
+    {
+        const qcBatchPair& present = m_present[i];
+        const qcBatchObject &a = *present.gathered0, &b = *present.gathered1;
+        qcPairContact& pair = *m_pairs.Find(a.owner, b.owner);
+        pair.isDue = !Holds(pair, a, b) && !AreFar(present, &pair);
+        pair.checked = m_number;
+    };
+    qcForEach(qcWorkersOf(m_scene.GetSettings().threads), m_present.size(), s_checkBlock, checkPair);
+    m_due.clear();
+    for (const qcBatchPair& present : m_present)
+        if (m_pairs.Find(present.gathered0->owner, present.gathered1->owner)->isDue)
+            m_due.push_back(present);
     m_pairs.RemoveOld(m_number);
     return m_due.empty();
 }

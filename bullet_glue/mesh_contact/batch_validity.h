@@ -34,10 +34,12 @@ class qcBatchValidity
     bool Holds(const qcPairContact& pair, const qcBatchObject& a, const qcBatchObject& b) const;
     btScalar MaxTravel(const qcBatchPair& pair) const;
     bool AreFar(const qcBatchPair& pair, qcPairContact* contact) const;
+    void CollectPairs();
 
     qcBatchScene& m_scene;
     qcPairContacts& m_pairs;
-    std::vector<qcBatchPair> m_due;
+    std::vector<qcBatchPair> m_present; ///< pairs of the last check
+    std::vector<qcBatchPair> m_due;     ///< likewise, in their order
     uint64_t m_number = 0;
 };
 
