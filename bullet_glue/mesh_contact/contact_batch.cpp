@@ -1,6 +1,7 @@
 // Contact of all pairs of meshes in a world from one query a step.
 #include "mesh_contact/contact_batch.h"
 
+#include "common/parallel_loop.h"
 #include "common/profiled_detect.h"
 #include "common/stopwatch.h"
 #include "mesh_contact/draw_candidates.h"
@@ -12,6 +13,9 @@
 
 namespace
 {
+// Pairs that a thread takes at a time, each of half a microsecond.
+constexpr size_t s_storeBlock = 128;
+
 /// The box of a mesh in the frame of another one, enlarged.
 void BoxIn(const qcPlacedMesh& mesh, const qcPlacedMesh& frame, btScalar distance, btVector3 box[2])
 {
@@ -194,9 +198,9 @@ qcStatus qcMeshBatch::Detect()
 }
 
 /// Keeps the points of a pair from the last query.
-void qcMeshBatch::StorePoints(const qcBatchPair& pair, qcPairContact* contact)
+void qcMeshBatch::StorePoints(const qcBatchPair& pair, std::vector<qcMeshPoint>* scratch, qcPairContact* contact) const
 {
-    std::vector<qcMeshPoint>& points = m_points;
+    std::vector<qcMeshPoint>& points = *scratch;
     const qcBatchObject &a = *pair.gathered0, &b = *pair.gathered1;
     for (uint32_t i = 0; i < a.meshes.size(); i++)
         for (uint32_t j = 0; j < b.meshes.size(); j++)
@@ -224,26 +228,32 @@ void qcMeshBatch::StorePoints(const qcBatchPair& pair, qcPairContact* contact)
         }
 }
 
+/// Keeps what the query has found of a pair, but the distances of its triangles.
+void qcMeshBatch::StorePair(const qcBatchPair& pair, std::vector<qcMeshPoint>* scratch)
+{
+    const qcBatchObject &a = *pair.gathered0, &b = *pair.gathered1;
+    qcPairContact& contact = *m_pairs.Find(a.owner, b.owner);
+    contact.points.clear();
+    contact.regions = 0;
+    // A scene does not test two bodies that both rest.
+    contact.isKnown = m_result != nullptr && (a.activity == qc_activityMoving || b.activity == qc_activityMoving);
+    contact.versionA = a.version;
+    contact.versionB = b.version;
+    contact.a = pair.object0->getWorldTransform();
+    contact.b = pair.object1->getWorldTransform();
+    contact.reach = qcBatchScene::ContactDistance(a, b);
+    contact.gap = double(m_scene.GetMargin());
+    if (m_result != nullptr)
+        StorePoints(pair, scratch, &contact);
+}
+
 /// Keeps what the query has found of the due pairs.
 void qcMeshBatch::Store()
 {
-    for (const qcBatchPair& pair : m_validity.GetDue())
-    {
-        const qcBatchObject &a = *pair.gathered0, &b = *pair.gathered1;
-        qcPairContact& contact = *m_pairs.Find(a.owner, b.owner);
-        contact.points.clear();
-        contact.regions = 0;
-        // A scene does not test two bodies that both rest.
-        contact.isKnown = m_result != nullptr && (a.activity == qc_activityMoving || b.activity == qc_activityMoving);
-        contact.versionA = a.version;
-        contact.versionB = b.version;
-        contact.a = pair.object0->getWorldTransform();
-        contact.b = pair.object1->getWorldTransform();
-        contact.reach = qcBatchScene::ContactDistance(a, b);
-        contact.gap = double(m_scene.GetMargin());
-        if (m_result != nullptr)
-            StorePoints(pair, &contact);
-    }
+    const std::vector<qcBatchPair>& due = m_validity.GetDue();
+    m_points.resize(qcWorkersOf(settings.threads));
+    qcForEach(uint32_t(m_points.size()), due.size(), s_storeBlock,
+              [&](size_t i, uint32_t worker) { StorePair(due[i], &m_points[worker]); });
     for (size_t i = 0; m_result != nullptr && i < m_result->pairCount; i++)
     {
         const qcPair& pair = m_result->pairs[i];

@@ -70,7 +70,8 @@ class qcMeshBatch : public qcRigidLimits, public qcKnownGaps
     static bool NeedsTriangles(void* context, uint32_t slotA, uint32_t slotB);
     void MarkTriangles(uint32_t slotA, uint32_t slotB);
     void NumberSlots();
-    void StorePoints(const qcBatchPair& pair, qcPairContact* contact);
+    void StorePoints(const qcBatchPair& pair, std::vector<qcMeshPoint>* scratch, qcPairContact* contact) const;
+    void StorePair(const qcBatchPair& pair, std::vector<qcMeshPoint>* scratch);
     void Store();
     void Run();
     int FindMesh(const qcBatchObject& gathered, const qcPlacedMesh& mesh) const;
@@ -83,13 +84,13 @@ class qcMeshBatch : public qcRigidLimits, public qcKnownGaps
     std::vector<uint32_t> m_ownerOfSlot; ///< of the meshes of due pairs
     qcAxisCache m_axes;
     qcMotionLimiter m_limiter;
-    bool m_isLimited = false;             ///< the present step, by LimitFirst
-    qcPlanePairs m_planes;                ///< of the last batch
-    qcImpactSampler m_impacts;            ///< of the last batch
-    std::vector<uint8_t> m_triangleSlots; ///< not 0: of a pair of the last batch that no plane separates
-    std::vector<qcMeshPoint> m_points;    ///< scratch
-    const qcResult* m_result = nullptr;   ///< of the last batch; null: none, or it failed
-    bool m_reportsCandidates = false;     ///< the last batch was to report candidate pairs
+    bool m_isLimited = false;                       ///< the present step, by LimitFirst
+    qcPlanePairs m_planes;                          ///< of the last batch
+    qcImpactSampler m_impacts;                      ///< of the last batch
+    std::vector<uint8_t> m_triangleSlots;           ///< not 0: of a pair of the last batch that no plane separates
+    std::vector<std::vector<qcMeshPoint>> m_points; ///< scratch, by worker
+    const qcResult* m_result = nullptr;             ///< of the last batch; null: none, or it failed
+    bool m_reportsCandidates = false;               ///< the last batch was to report candidate pairs
     std::mutex m_mutex;
 };
 

@@ -253,7 +253,7 @@ class QC_API qcMeshContact
     /// first needs them, and again only after this call. Scaling is detected without it.
     void updateShape(const btCollisionShape* shape);
 
-    /// Threads of the queries; 0, the default: one per core.
+    /// Threads of queries, and of contact and limits of many small meshes; 0, the default: one per core.
     void setThreadCount(unsigned threads);
     /// The method of the queries; qc_methodAuto by default. qc_statusBadInput: `cullide` and `quick`, which miss pairs;
     /// the method stays as it was, and qcLastMessage has no details.
