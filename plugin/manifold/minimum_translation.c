@@ -1,6 +1,7 @@
 // Minimum-translation fallback. If the normal of one pair separates the whole region for less than half of its deepest
-// contact, pairs more than twice as deep adopt that normal. The minimum translational distance of two bodies (Cameron,
-// Culley, 1986), for the region alone and along normals of its own pairs.
+// contact, pairs more than twice as deep adopt that normal; where pairs only touch, all that are as deep. The minimum
+// translational distance of two bodies (Cameron, Culley, 1986), for the region alone and along normals of its own
+// pairs.
 //
 // Propagated normals and signs are local: at a corner sunk into a concave edge some pairs can get a normal along which
 // the bodies overlap ten times deeper than necessary. Their depths are correct for that normal, but the normal is not
@@ -16,8 +17,9 @@ enum
     qc_maxCandidates = 32
 };
 
-// A pair is too deep if the whole region is separated by this share of its depth.
-static const double s_muchShorter = 0.5;
+// A pair is too deep if the whole region is separated by this share of its depth. Where surfaces are flush all pairs
+// may touch only, and the way out of one is as good as any other: no longer is enough there.
+static const double s_muchShorter = 0.5, s_noLonger = 1.0 + 0x1p-20;
 
 typedef struct Job
 {
@@ -31,6 +33,8 @@ typedef struct Members
 {
     const qcSortItem* items; ///< their values are pairs
     size_t count;
+    bool penetrating; ///< a pair penetrates: those that touch are no candidates
+    double share;     ///< of a pair's depth, see s_muchShorter
     double deepest;
     uint32_t last; ///< the pair that ruled out the last candidate; tested first, as it often rules out the next
 } Members;
@@ -78,24 +82,43 @@ static void Evaluate(const Job* job, qcVector normal, Members* members, Translat
         *best = (Translation){normal, length};
 }
 
-/// The shortest translation that is shorter than half of the deepest contact. If there is none, the length of the
-/// result is half of the deepest contact, and its normal is unused.
+/// Normals that have been evaluated for a region.
+typedef struct Candidates
+{
+    qcVector normals[qc_maxCandidates];
+    int count;
+} Candidates;
+
+static void Try(const Job* job, qcVector normal, Candidates* candidates, Members* members, Translation* best)
+{
+    int known = 0;
+    while (known < candidates->count && qcDot(candidates->normals[known], normal) < QC_MANIFOLD_FLAT)
+        known++;
+    if (known < candidates->count || candidates->count == qc_maxCandidates)
+        return;
+    candidates->normals[candidates->count++] = normal;
+    Evaluate(job, normal, members, best);
+}
+
+/// The shortest translation that is shorter than the share of the deepest contact. If there is none, the length of the
+/// result is that share, and its normal is unused.
 static Translation FindTranslation(const Job* job, Members* members)
 {
-    qcVector evaluated[qc_maxCandidates];
-    int count = 0;
-    Translation best = {.length = s_muchShorter * members->deepest};
-    for (size_t i = 0; i < members->count && count < qc_maxCandidates; i++)
+    Candidates candidates = {.count = 0};
+    Translation best = {.length = members->share * members->deepest};
+    for (size_t i = 0; i < members->count; i++)
     {
         uint32_t p = PairOf(members, i);
-        qcVector normal = qcContactNormals_Pair(job->normals, p)->normal;
-        int known = 0;
-        while (known < count && qcDot(evaluated[known], normal) < QC_MANIFOLD_FLAT)
-            known++;
-        if (!qcContactProximity_Pair(job->input->proximity, p)->penetrating || known < count)
+        const qcPairProximity* proximity = qcContactProximity_Pair(job->input->proximity, p);
+        if (members->penetrating ? !proximity->penetrating : proximity->separated)
             continue;
-        evaluated[count++] = normal;
-        Evaluate(job, normal, members, &best);
+        Try(job, qcContactNormals_Pair(job->normals, p)->normal, &candidates, members, &best);
+        for (int side = 0; side < 2 && !members->penetrating; side++)
+        {
+            qcVector face = qcContactTopology_Pair(job->input->topology, p)->side[side]->normal;
+            Try(job, face, &candidates, members, &best);
+            Try(job, qcNegated(face), &candidates, members, &best);
+        }
     }
     return best;
 }
@@ -125,15 +148,20 @@ static qcStatus ShortenRegion(const Job* job, Members* members)
         members->deepest = fmax(members->deepest, depth);
     }
     Translation best = FindTranslation(job, members);
-    if (!(best.length < s_muchShorter * members->deepest))
+    if (!(best.length < members->share * members->deepest))
         return qc_statusOk;
     for (size_t i = 0; i < members->count; i++)
-        if (s_muchShorter * DepthOf(job, PairOf(members, i)) > best.length)
+        if (members->share * DepthOf(job, PairOf(members, i)) > best.length)
             QC_TRY(AdoptNormal(job, PairOf(members, i), best.normal));
     return qc_statusOk;
 }
 
-/// The pairs of regions that penetrate, by region; within one in their order.
+static const qcRegionProximity* RegionOf(const qcContactInput* input, uint32_t pair)
+{
+    return qcContactProximity_Region(input->proximity, qcContactTopology_Pair(input->topology, pair));
+}
+
+/// The pairs of regions that intersect, by region; within one in their order.
 static qcStatus ListMembers(const qcContactInput* input, qcContactNormals* normals)
 {
     size_t unsettled = input->regions->unsettledPairs.count;
@@ -142,9 +170,9 @@ static qcStatus ListMembers(const qcContactInput* input, qcContactNormals* norma
     for (size_t i = 0; i < unsettled; i++)
     {
         uint32_t p = qcContactRegions_UnsettledPair(input->regions, i);
-        const qcManifoldPair* pair = qcContactTopology_Pair(input->topology, p);
-        if (qcContactProximity_Region(input->proximity, pair)->penetrating)
-            QC_AT(qcSortItem, normals->items, normals->items.count++) = (qcSortItem){pair->region, p};
+        if (RegionOf(input, p)->ambiguous)
+            QC_AT(qcSortItem, normals->items, normals->items.count++) =
+                (qcSortItem){qcContactTopology_Pair(input->topology, p)->region, p};
     }
     return qcSort_Items(normals->items.data, normals->items.count, &normals->sortScratch);
 }
@@ -158,7 +186,13 @@ qcStatus qcContactNormals_Shorten(const qcContactInput* input, qcPairOverlaps* o
     {
         while (end < normals->items.count && items[end].key == items[first].key)
             end++;
-        Members members = {.items = items + first, .count = end - first, .last = (uint32_t)items[first].value};
+        uint32_t pair = (uint32_t)items[first].value;
+        bool penetrating = RegionOf(input, pair)->penetrating;
+        Members members = {.items = items + first,
+                           .count = end - first,
+                           .penetrating = penetrating,
+                           .share = penetrating ? s_muchShorter : s_noLonger,
+                           .last = pair};
         QC_TRY(ShortenRegion(&job, &members));
     }
     return qc_statusOk;

@@ -353,6 +353,39 @@ START_TEST(a_box_sunk_by_a_corner_is_as_deep_as_the_corner_at_any_margin)
 }
 END_TEST
 
+START_TEST(boxes_with_flush_sides_are_as_deep_as_they_overlap)
+{
+    // All triangles of such boxes touch or lie in one plane: none penetrates.
+    static const double overlaps[] = {0.03125, 0.125, 0.25, 0.375}, margins[] = {0.01, 0.02, 0.05};
+    for (uint32_t i = 0; i < 4 * 3 * 6 * 9; i++)
+    {
+        double overlap = overlaps[i % 4], margin = margins[i / 4 % 3], offset[3] = {0.0, 0.0, 0.0};
+        uint32_t axis = i / 12 % 3;
+        qcSoup a = qcMakeBox(1 + i / 72 % 3), b = qcMakeBox(1 + i / 216 % 3);
+        offset[axis] = (i / 36 % 2 == 0 ? 1.0 : -1.0) * (1.0 - overlap);
+        qcSoup_Translate(&b, offset[0], offset[1], offset[2]);
+        qcManifoldScene scene = qcFindManifolds(&a, &b, qc_bodyRigid, margin, 1);
+        uint32_t deep = 0;
+        // Of tiles that are smaller than the overlap some see another way out, but none that is longer.
+        bool tiled = a.triangleCount > 12 || b.triangleCount > 12;
+        for (size_t p = 0; p < scene.result->manifoldPointCount; p++)
+        {
+            const qcManifoldPoint* point = &scene.result->manifoldPoints[p];
+            double depth = -point->distance;
+            bool isAlong = fabs(depth - overlap) <= 1e-9 && fabs(fabs(point->normal[axis]) - 1.0) <= 1e-9;
+            deep += isAlong;
+            if (depth > (tiled ? overlap + 1e-9 : 1e-9) && !isAlong)
+                ck_abort_msg("boxes %d: %g deep along %g %g %g, not %g along axis %d", (int)i, depth, point->normal[0],
+                             point->normal[1], point->normal[2], overlap, (int)axis);
+        }
+        ck_assert_msg(tiled || deep >= 4, "boxes %d: %d points", (int)i, (int)deep);
+        qcManifoldScene_Free(&scene);
+        qcSoup_Free(&a);
+        qcSoup_Free(&b);
+    }
+}
+END_TEST
+
 int main(void)
 {
     Suite* suite = suite_create("manifold depth");
@@ -366,6 +399,7 @@ int main(void)
     tcase_add_loop_test(cells, a_cut_is_held_at_its_corners_along_its_normal, 0, qc_splits);
     tcase_add_loop_test(cells, a_cut_is_held_along_its_normal_as_far_as_the_margin_reaches, 0, qc_splits);
     tcase_add_test(cells, a_box_sunk_by_a_corner_is_as_deep_as_the_corner_at_any_margin);
+    tcase_add_test(cells, boxes_with_flush_sides_are_as_deep_as_they_overlap);
     suite_add_tcase(suite, cells);
     return qcRunSuite(suite);
 }

@@ -207,6 +207,28 @@ START_TEST(the_deepest_point_is_in_a_manifold_whatever_lies_beside_it)
 }
 END_TEST
 
+START_TEST(a_crate_put_into_one_of_equal_height_is_pushed_out_sideways)
+{
+    // All triangles of the two touch or lie in one plane.
+    qcMeshWorld world;
+    world.Add(world.Keep(std::unique_ptr<btCollisionShape>(new btStaticPlaneShape(btVector3(0, 1, 0), 0))), 0,
+              btVector3(0, 0, 0));
+    qcModel cube = qcCubeModel(1);
+    btCollisionShape* shape = world.Keep(cube.MakeShape());
+    const btScalar height = btScalar(0.51);
+    world.Add(shape, 0, btVector3(0, height, 0));
+    btRigidBody* body = world.Add(shape, 1, btVector3(btScalar(0.95), height, 0));
+    for (int step = 0; step < 120; step++)
+    {
+        world.Step(1);
+        const btVector3& place = body->getWorldTransform().getOrigin();
+        ck_assert_double_eq_tol(double(place.y()), double(height), 0.01);
+        ck_assert_double_eq_tol(double(place.z()), 0, 0.01);
+    }
+    ck_assert_double_eq_tol(double(body->getWorldTransform().getOrigin().x()), 1.02, 5e-3);
+}
+END_TEST
+
 START_TEST(gimpact_pairs_can_be_taken_over)
 {
     qcMeshWorld world;
@@ -422,7 +444,8 @@ END_TEST
 
 QC_RUN_TESTS("mesh_contact", contact_tests_use_present_transforms, normals_point_from_the_second_body_to_the_first,
              children_of_a_compound_have_no_contact_with_each_other,
-             the_deepest_point_is_in_a_manifold_whatever_lies_beside_it, gimpact_pairs_can_be_taken_over,
+             the_deepest_point_is_in_a_manifold_whatever_lies_beside_it,
+             a_crate_put_into_one_of_equal_height_is_pushed_out_sideways, gimpact_pairs_can_be_taken_over,
              one_query_a_step_covers_all_pairs, a_body_replaced_by_pieces_between_two_steps_costs_one_query,
              a_shape_may_be_scaled_while_it_rests, margins_may_change_while_bodies_rest,
              bodies_rest_at_the_sum_of_different_margins, a_soft_body_lies_on_a_mesh_as_on_bullets_static_mesh,
