@@ -116,7 +116,7 @@ std::string Prepare(const qcFractureDef& def, qcClipScratch* scratch, Job* job)
         const btVector3& p = def.vertices[def.indices[3 * size_t(triangle)]];
         return "the mesh is not closed: an edge of triangle " + std::to_string(triangle) + ", at " +
                qcTextOf(double(p.x())) + ", " + qcTextOf(double(p.y())) + ", " + qcTextOf(double(p.z())) +
-               ", is not passed as often one way as the other";
+               ", is not passed as often one way as the other: a hole, or a triangle that is turned around";
     }
     qcClipPoint first;
     job->volume = qcFacetedMesh_Measure(mesh, &first);
@@ -392,6 +392,9 @@ std::vector<btVector3> qcScatterSites(const btVector3& lower, const btVector3& u
                                       const btVector3* impact)
 {
     std::vector<btVector3> sites;
+    btVector3 dense = impact != nullptr ? *impact : lower;
+    dense.setMax(lower);
+    dense.setMin(upper);
     for (uint32_t i = 0; i < count; i++)
     {
         btVector3 site;
@@ -399,7 +402,7 @@ std::vector<btVector3> qcScatterSites(const btVector3& lower, const btVector3& u
             site[axis] = lower[axis] + btScalar(Random(&seed)) * (upper[axis] - lower[axis]);
         site.setW(0);
         // A random share of the way from the impact to the site: densities fall as the square of the distance.
-        sites.push_back(impact != nullptr ? impact->lerp(site, btScalar(Random(&seed))) : site);
+        sites.push_back(impact != nullptr ? dense.lerp(site, btScalar(Random(&seed))) : site);
     }
     return sites;
 }

@@ -216,6 +216,13 @@ qcFracture Take(Records* records, std::string* what)
 
 qcFracture qcFracture_Load(const char* path)
 {
+    if (path == nullptr)
+    {
+        qcFracture failed;
+        failed.status = qc_statusBadInput;
+        failed.message = "qcFracture_Load: path is null";
+        return failed;
+    }
     std::string place;
     try
     {

@@ -185,6 +185,11 @@ qcStatus qcFracture_Save(const qcFracture& fracture, const char* path, std::stri
 {
     std::string ignored;
     std::string& text = message != nullptr ? *message : ignored;
+    if (path == nullptr)
+    {
+        text = "qcFracture_Save: path is null";
+        return qc_statusBadInput;
+    }
     std::string defect = FindDefect(fracture);
     if (!defect.empty())
     {

@@ -95,7 +95,8 @@ struct qcFracture
 /// qcSetParallelFor or qcSetTaskScheduler, else on the library's own. Pieces don't depend on the number of threads.
 QC_API qcFracture qcFracture_Split(const qcFractureDef& def);
 
-/// `count` sites in a box, the same for the same seed. With an impact point they are denser near it.
+/// `count` sites in a box, the same for the same seed. With an impact point they are denser near it, or near the point
+/// of the box next to it.
 QC_API std::vector<btVector3> qcScatterSites(const btVector3& lower, const btVector3& upper, uint32_t count,
                                              uint64_t seed, const btVector3* impact = nullptr);
 
@@ -152,13 +153,15 @@ QC_API std::vector<btVector3> qcWeightsOfPiece(const qcFractureDef& mesh, const 
 /// @{
 
 /// Writes a fracture, with its bonds, to a new file (plugin/docs/piece_files.md), in place of an old one.
-/// qc_statusBadInput: the fracture is not one that qcFracture_Split or qcFracture_Load returns without an error; no
-/// file is written. qc_statusFile: the file can't be written. `message` (may be null) then names the place. O(size).
+/// qc_statusBadInput: the path is null, or the fracture is not one that qcFracture_Split or qcFracture_Load returns
+/// without an error; no file is written. qc_statusFile: the file can't be written. `message` (may be null) then names
+/// the place. O(size).
 QC_API qcStatus qcFracture_Save(const qcFracture& fracture, const char* path, std::string* message = nullptr);
 
 /// Reads a file of qcFracture_Save, bit by bit what was saved; between float and double the numbers are rounded.
 /// qc_statusFile: it is missing, not such a file, of another version or damaged, and there are no pieces; the message
-/// names the file, the record and the byte. No content, however damaged, does more harm. O(size).
+/// names the file, the record and the byte. No content, however damaged, does more harm. qc_statusBadInput: the path is
+/// null. O(size).
 QC_API qcFracture qcFracture_Load(const char* path);
 /// @}
 

@@ -223,7 +223,8 @@ START_TEST(the_same_input_gives_the_same_pieces_and_sites_gather_around_an_impac
         ck_assert(a.pieces[i].frame == b.pieces[i].frame);
         ck_assert(a.pieces[i].vertices == b.pieces[i].vertices);
     }
-    btVector3 lower(-1, -1, -1), upper(1, 1, 1), impact(1, 0, 0);
+    btVector3 lower(-1, -1, -1), upper(1, 1, 1), impact(1, 0, 0), outside(7, 0, 0);
+    ck_assert(qcScatterSites(lower, upper, 1000, 3, &outside) == qcScatterSites(lower, upper, 1000, 3, &impact));
     int near = 0;
     for (const btVector3& site : qcScatterSites(lower, upper, 1000, 3, &impact))
     {

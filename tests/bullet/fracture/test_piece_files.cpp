@@ -245,6 +245,17 @@ START_TEST(messages_name_the_place)
 }
 END_TEST
 
+START_TEST(no_path_is_refused)
+{
+    const qcFracture fracture = qcFracture_Load(nullptr);
+    ck_assert_int_eq(fracture.status, qc_statusBadInput);
+    ck_assert_str_eq(fracture.message.c_str(), "qcFracture_Load: path is null");
+    std::string message;
+    ck_assert_int_eq(qcFracture_Save(fracture, nullptr, &message), qc_statusBadInput);
+    ck_assert_str_eq(message.c_str(), "qcFracture_Save: path is null");
+}
+END_TEST
+
 START_TEST(pieces_that_were_changed_wrongly_are_not_saved)
 {
     qcFracture fracture = SomePieces(3);
@@ -284,6 +295,7 @@ QC_TEST_MAIN()
                                   a_file_with_any_byte_changed_is_refused,
                                   contents_are_checked_although_their_hashes_are_right,
                                   messages_name_the_place,
+                                  no_path_is_refused,
                                   pieces_that_were_changed_wrongly_are_not_saved};
     Suite* suite = suite_create("piece_files");
     TCase* testCase = tcase_create("piece_files");
