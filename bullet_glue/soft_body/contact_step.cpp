@@ -13,6 +13,7 @@
 #include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <iterator>
 
@@ -523,9 +524,15 @@ qcSoftBodyContact::qcSoftBodyContact(qcDevice* device) : m_implementation(new Im
 
 qcSoftBodyContact::~qcSoftBodyContact() = default;
 
-void qcSoftBodyContact::setSettings(const btSoftBody* body, const qcSoftBodySettings& settings)
+qcStatus qcSoftBodyContact::setSettings(const btSoftBody* body, const qcSoftBodySettings& settings)
 {
+    for (btScalar value : {settings.thickness, settings.friction})
+        if (!(value >= 0 && std::isfinite(value)))
+            return qc_statusBadInput;
+    if (body == nullptr)
+        return qc_statusBadInput;
     m_implementation->scene.SetSettings(body, settings);
+    return qc_statusOk;
 }
 
 qcSoftBodySettings qcSoftBodyContact::getSettings(const btSoftBody* body) const

@@ -35,7 +35,8 @@ struct qcSoftBodySettings
     /// false: the body's tangles stay as they are; they may move along the surfaces but don't grow. Two bodies are
     /// worked apart if both settings are true.
     bool untangle = true;
-    /// Coulomb friction. Two bodies use the mean of both; a rigid body has btRigidBody's own.
+    /// Coulomb friction. Two bodies use the mean of both; a rigid body has btRigidBody's own. Bullet's m_cfg.kDF is
+    /// for Bullet's own contact only.
     btScalar friction = btScalar(0.3);
     /// Contact with the shapes of rigid bodies is left to Bullet, but for qcMeshShape: nodes are tested by themselves,
     /// at the end of a step. Edges and faces then have no contact with these shapes, and fast cloth passes them.
@@ -58,8 +59,8 @@ struct qcSoftBodyStatistics
     /// one rigid body. Many in each step: cloth is squeezed between meshes, or too thin for the step.
     int zoneNodes = 0;
     int frozenNodes = 0; ///< deprecated: equal to zoneNodes
-    int remaining = 0;   ///< pairs that penetrate at the end of the step
-    int exempt = 0; ///< of these, pairs tangled since the start of the step, which are untangled over several steps
+    int remaining = 0;   ///< pairs that may penetrate at the end of the step: exempt and unproven ones
+    int exempt = 0;      ///< pairs tangled since the start of the step, which are untangled over several steps
     /// Pairs that are not proven apart over the step, though they were apart at its start: only kinematic meshes that
     /// leave no room do this.
     int unproven = 0;
@@ -159,8 +160,9 @@ class QC_API qcSoftBodyContact
 {
   public:
     /// Sets how a body collides, from the next step until it is removed from the world. It may be called before the
-    /// body is added; then don't delete the body without adding it.
-    void setSettings(const btSoftBody* body, const qcSoftBodySettings& settings);
+    /// body is added; then don't delete the body without adding it. qc_statusBadInput: the body is null, or thickness
+    /// or friction is negative or not finite; the body's settings stay as they were, and qcLastMessage has no details.
+    qcStatus setSettings(const btSoftBody* body, const qcSoftBodySettings& settings);
     /// The settings of a body; the defaults if none were set.
     qcSoftBodySettings getSettings(const btSoftBody* body) const;
     /// The work of the last step. Valid until this object is destroyed; changes with each step.
@@ -168,7 +170,8 @@ class QC_API qcSoftBodyContact
 
     /// Reports that the triangles of one of Bullet's shapes (static triangle mesh, terrain, btGImpactMeshShape) have
     /// moved: call it where Bullet requires refitTree or postUpdate. They are copied when a soft body first comes near,
-    /// and again only after this call. Scaling and margins are detected without it.
+    /// and again only after this call. Scaling and margins are detected without it. They start the next step where they
+    /// are then: what they have passed isn't held.
     void updateShape(const btCollisionShape* shape);
 
     /// Threads of the queries; 0, the default: one per core. Queries that take less than a millisecond run on one.

@@ -342,6 +342,27 @@ START_TEST(settings_last_until_removal_and_may_be_given_before_the_body_is_added
 }
 END_TEST
 
+START_TEST(settings_that_make_no_sense_are_refused_and_change_nothing)
+{
+    World world;
+    btSoftBody* cloth = world.AddUprightCloth(4);
+    qcSoftBodySettings settings;
+    settings.thickness = btScalar(0.02);
+    ck_assert_int_eq(world.softSolver.setSettings(cloth, settings), qc_statusOk);
+    ck_assert_int_eq(world.softSolver.setSettings(nullptr, settings), qc_statusBadInput);
+    for (btScalar value : {btScalar(-1), btScalar(NAN), btScalar(INFINITY)})
+        for (btScalar qcSoftBodySettings::*field : {&qcSoftBodySettings::thickness, &qcSoftBodySettings::friction})
+        {
+            qcSoftBodySettings wrong = settings;
+            wrong.*field = value;
+            ck_assert_int_eq(world.softSolver.setSettings(cloth, wrong), qc_statusBadInput);
+        }
+    world.Step();
+    ck_assert(world.softSolver.getSettings(cloth).thickness == settings.thickness);
+    ck_assert(world.softSolver.getSettings(cloth).friction == settings.friction);
+}
+END_TEST
+
 /// A small sheet that falls on a pinned one, whose nodes are all fixed but one corner.
 START_TEST(a_face_with_one_free_corner_is_not_thrown_away)
 {
@@ -546,7 +567,7 @@ QC_RUN_TESTS("soft body", a_falling_cloth_never_penetrates_itself,
              a_node_that_is_not_finite_is_named_and_nothing_crashes, a_changed_topology_collides,
              faces_with_other_nodes_but_the_same_count_collide,
              settings_last_until_removal_and_may_be_given_before_the_body_is_added,
-             a_face_with_one_free_corner_is_not_thrown_away,
+             settings_that_make_no_sense_are_refused_and_change_nothing, a_face_with_one_free_corner_is_not_thrown_away,
              a_body_that_is_not_simulated_stays_where_it_is_and_holds_others_up,
              no_callback_reports_the_end_of_contacts_of_a_removed_body,
              two_runs_agree_bit_by_bit_for_any_number_of_threads, layers_simulates_what_sweep_does_bit_by_bit,
