@@ -71,6 +71,11 @@ static qcExitStatus Replay(const qcReplayOptions* options, qcRecording* recordin
         return qc_exitFailed;
     if (ending == qc_exitDone && totals.isInterrupted)
         return (qcExitStatus)((int)qc_exitSignal + qcInterrupt_Signal());
+    if (ending == qc_exitDone && totals.timeCount == 0 && options->from > 1)
+    {
+        qcMessage_Fail(message, "--from %u: the recording has fewer detections", options->from);
+        return qc_exitUsage;
+    }
     if (ending == qc_exitDone && totals.differing != 0)
     {
         qcMessage_Fail(message, "%llu of %zu results differ from the recorded ones",

@@ -6,6 +6,7 @@
 
 #include <ctype.h>
 #include <dirent.h>
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -249,6 +250,10 @@ static void ChoosePictures(qcReportPart* part)
 bool qcReport_Collect(const char* folder, qcReport* report, qcMessage* message)
 {
     *report = (qcReport){NULL, 0};
+    DIR* there = opendir(folder);
+    if (there == NULL)
+        return qcMessage_Fail(message, "%s: %s", folder, strerror(errno));
+    closedir(there);
     if (!AddKnownParts(report) || !AddAllFolders(report, folder))
     {
         qcReport_Free(report);

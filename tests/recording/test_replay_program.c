@@ -166,6 +166,8 @@ START_TEST(mistakes_and_damage_are_named)
     ck_assert_int_eq(Run(REPLAY " --method swep a.qcr"), 2);
     ck_assert_ptr_nonnull(strstr(GetErrors(), "--method: 'swep' is not one of recorded, brute"));
     ck_assert_int_eq(Run(REPLAY " --from 3 --to 2 a.qcr"), 2);
+    ck_assert_int_eq(Run(REPLAY " --from 5 a.qcr"), 2);
+    ck_assert_ptr_nonnull(strstr(GetErrors(), "--from 5: the recording has fewer detections"));
     ck_assert_int_eq(Run(REPLAY " b.qcr"), 3);
     ck_assert_ptr_nonnull(strstr(GetErrors(), "qc-replay: b.qcr can't be opened: No such file or directory"));
     ck_assert_int_eq(Run(REPLAY " --csv no/folder/a.csv a.qcr"), 1);

@@ -66,7 +66,8 @@ START_TEST(the_page_is_well_formed)
     MakePage("");
     ck_assert_msg(Run("xmllint --noout --nonet --huge page.html") == 0, "%s", GetErrors());
     ck_assert_str_eq(GetErrors(), "");
-    MakePage("--from nowhere");
+    ck_assert_int_eq(Run("mkdir empty"), 0);
+    MakePage("--from empty");
     ck_assert_msg(Run("xmllint --noout --nonet --huge page.html") == 0, "%s", GetErrors());
     LeaveFolder();
 }
@@ -223,6 +224,9 @@ START_TEST(mistakes_are_refused_with_a_message)
     EnterFolder();
     ck_assert_int_eq(Run(QC_REPORT_PROGRAM " --form out"), 2);
     ck_assert_ptr_nonnull(strstr(GetErrors(), "unrecognized option '--form'"));
+    ck_assert_int_eq(Run(QC_REPORT_PROGRAM " --from elsewhere --page page.html"), 1);
+    ck_assert_ptr_nonnull(strstr(GetErrors(), "elsewhere: No such file or directory"));
+    ck_assert_int_eq(Run("mkdir out"), 0);
     ck_assert_int_eq(Run(QC_REPORT_PROGRAM " --page nowhere/page.html"), 1);
     ck_assert_ptr_nonnull(strstr(GetErrors(), "nowhere/page.html"));
     LeaveFolder();
