@@ -42,10 +42,10 @@ struct qcMassProperties
     btVector3 principalInertia{0, 0, 0};
 };
 
-/// A triangle soup, moving or static. Positions and indices are copied. It need not be closed; triangles may intersect,
-/// overlap or be degenerate. Creation is O(n), and for up to 16 384 triangles O(n * faces of similar direction), since
-/// it finds the faces for contact then; a tree over the triangles is built in O(n log n) when it is first needed
-/// (convex shapes, rays, soft bodies).
+/// A triangle soup, moving or static. Positions and indices are copied, and don't change: a mesh that deforms is given
+/// to its body as a new shape. It need not be closed; triangles may intersect, overlap or be degenerate. Creation is
+/// O(n), and for up to 16 384 triangles O(n * faces of similar direction), since it finds the faces for contact then; a
+/// tree over the triangles is built in O(n log n) when it is first needed (convex shapes, rays, soft bodies).
 ///
 /// Contact: with convex shapes, rays and swept shapes by Bullet's own algorithms; with meshes and planes by a
 /// qcMeshContact of the world; with soft bodies by qcSoftBodySolver or qcDeformableWorld, otherwise by Bullet's own
@@ -217,7 +217,7 @@ struct qcMeshContactStatistics
 /// own continuous collision detection (setCcdMotionThreshold). On a btStaticPlaneShape contact alone holds meshes:
 /// those that land fast, spin fast or lie under a heap may sink in before it pushes them out.
 ///
-/// Rest: as long as no two points of a pair have moved against each other by 6 % of the threshold, its contact points
+/// Rest: as long as no two points of a pair have moved against each other by 3 % of both thresholds, its contact points
 /// move with the bodies and nothing is searched.
 ///
 /// debugDrawWorld draws qcMeshShapes like any concave shape (DBG_DrawWireframe, DBG_DrawAabb) and their contact points
@@ -250,7 +250,8 @@ class QC_API qcMeshContact
 
     /// Reports that the triangles of one of Bullet's shapes (static triangle mesh, terrain, btGImpactMeshShape; not a
     /// compound of such) have moved: call it where Bullet requires refitTree or postUpdate. They are copied when a pair
-    /// first needs them, and again only after this call. Scaling is detected without it.
+    /// first needs them, and again only after this call. Scaling is detected without it. They start the next step where
+    /// they are then: what they have passed isn't held.
     void updateShape(const btCollisionShape* shape);
 
     /// Threads of queries, and of contact and limits of many small meshes; 0, the default: one per core.

@@ -116,10 +116,15 @@ QC_API qcResultHash qcResult_Hash(const qcResult* result);
 
 /// A recording that is being read. One thread at a time.
 ///
-///     qcRecording_Open("scene.qcr", &recording);
-///     do
-///         qcRecording_Next(recording, &operation), qcOperation_Apply(operation, scene, &result);
-///     while (operation->kind != qc_operationEnd);
+///     qcStatus status = qcRecording_Open("scene.qcr", &recording);
+///     bool ends = false;
+///     while (status == qc_statusOk && !ends)
+///     {
+///         status = qcRecording_Next(recording, &operation);
+///         if (status == qc_statusOk)
+///             status = qcOperation_Apply(operation, scene, &result);
+///         ends = status == qc_statusOk && operation->kind == qc_operationEnd;
+///     }
 typedef struct qcRecording qcRecording;
 
 /// About a recording.

@@ -366,7 +366,7 @@ START_TEST(boxes_with_flush_sides_are_as_deep_as_they_overlap)
         qcSoup_Translate(&b, offset[0], offset[1], offset[2]);
         qcManifoldScene scene = qcFindManifolds(&a, &b, qc_bodyRigid, margin, 1);
         uint32_t deep = 0;
-        // Of tiles that are smaller than the overlap some see another way out, but none that is longer.
+        // Some tiles that are smaller than the overlap see another way out, but none a longer one.
         bool tiled = a.triangleCount > 12 || b.triangleCount > 12;
         for (size_t p = 0; p < scene.result->manifoldPointCount; p++)
         {
