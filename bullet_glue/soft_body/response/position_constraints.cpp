@@ -86,8 +86,9 @@ bool Solve(qcSoftConstraint& constraint)
     return true;
 }
 
-/// Sets normal and distance so that each side stays on its side of the other, as at the start of the step.
-void Orient(btScalar thickness, const btVector3& normal, qcSoftConstraint* constraint)
+/// Sets normal and distance so that each side stays on its side of the other, as at the start of the step. `recovery`:
+/// share of the missing gap that this step restores.
+void Orient(btScalar thickness, const btVector3& normal, btScalar recovery, qcSoftConstraint* constraint)
 {
     constraint->normal = normal;
     constraint->thickness = thickness;
@@ -99,7 +100,7 @@ void Orient(btScalar thickness, const btVector3& normal, qcSoftConstraint* const
         startDistance = -startDistance;
     }
     constraint->distance =
-        startDistance >= thickness ? thickness : startDistance + qcGapRecovery * (thickness - startDistance);
+        startDistance >= thickness ? thickness : startDistance + recovery * (thickness - startDistance);
 }
 
 btVector3 PointOf(const qcSceneSoftBody& soft, const uint32_t vertices[3], const double weights[3])
@@ -225,7 +226,8 @@ bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], con
     constraint->arm = constraint->point - now.getOrigin();
     constraint->startOffset -= rigid.start * point;
     constraint->friction = (soft.settings.friction + rigid.object->getFriction()) / 2;
-    Orient(thickness, normal, constraint);
+    // What lies on triangles that the application has moved goes with them at once.
+    Orient(thickness, normal, rigid.isReshaped ? btScalar(1) : qcGapRecovery, constraint);
     // Contact wakes the rigid body, as Bullet's own contact of soft bodies does. It moves from the next step on.
     if (soft.moves && !rigid.object->isActive() && !rigid.object->isStaticOrKinematicObject())
         rigid.object->activate();
@@ -258,7 +260,7 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
             if (constraint.inverseEffectiveMass <= 0)
                 continue;
             constraint.friction = view.friction;
-            Orient(view.thickness, view.normal, &constraint);
+            Orient(view.thickness, view.normal, qcGapRecovery, &constraint);
         }
         constraints->push_back(constraint);
         contactOf->push_back(i);

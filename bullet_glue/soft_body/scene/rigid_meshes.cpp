@@ -11,6 +11,7 @@
 #include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
+#include <functional>
 
 namespace
 {
@@ -23,6 +24,15 @@ bool AreSame(const std::vector<qcSceneShape>& a, const std::vector<qcSceneShape>
     auto isSame = [](const qcSceneShape& m, const qcSceneShape& n)
     { return m.shape == n.shape && m.revision == n.revision && m.local == n.local; };
     return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), isSame);
+}
+
+/// True if these are the same shapes, some with other triangles.
+bool AreReshaped(const std::vector<qcSceneShape>& a, const std::vector<qcSceneShape>& b)
+{
+    auto isSame = [](const qcSceneShape& m, const qcSceneShape& n) { return m.shape == n.shape; };
+    auto isOlder = [](const qcSceneShape& m, const qcSceneShape& n) { return m.revision != n.revision; };
+    return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), isSame) &&
+           !std::equal(a.begin(), a.end(), b.begin(), std::not_fn(isOlder));
 }
 
 /// The box around a box of world space in a frame.
@@ -295,16 +305,21 @@ std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
         std::unique_ptr<qcSceneRigid> rigid = MakeRigid(overlap);
         if (rigid->shapes.empty())
             continue;
+        auto isIts = [&](const std::unique_ptr<qcSceneRigid>& other)
+        { return other && other->object == rigid->object && other->uniqueId == rigid->uniqueId; };
         auto isSame = [&](const std::unique_ptr<qcSceneRigid>& other)
-        {
-            return other && other->object == rigid->object && other->uniqueId == rigid->uniqueId &&
-                   AreSame(other->shapes, rigid->shapes) && Cover(*other, overlap);
-        };
+        { return isIts(other) && AreSame(other->shapes, rigid->shapes) && Cover(*other, overlap); };
         auto found = std::find_if(m_rigids.begin(), m_rigids.end(), isSame);
+        bool isReshaped = false;
         if (found != m_rigids.end())
             rigid = std::move(*found);
         else
+        {
+            found = std::find_if(m_rigids.begin(), m_rigids.end(), isIts);
+            isReshaped = found != m_rigids.end() && AreReshaped((*found)->shapes, rigid->shapes);
             FindMeshes(rigid.get(), overlap);
+        }
+        rigid->isReshaped = isReshaped;
         if (!rigid->meshes.empty())
             rigids.push_back(std::move(rigid));
     }

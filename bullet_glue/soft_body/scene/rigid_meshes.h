@@ -56,6 +56,7 @@ struct qcSceneRigid
     btCollisionObject* object = nullptr;
     int uniqueId = 0;          ///< see qcUniqueIdOf
     bool withSurfaces = false; ///< `shapes` are not only qcMeshShapes
+    bool isReshaped = false;   ///< triangles have moved since the previous step
     std::vector<qcSceneShape> shapes;
     std::vector<qcSceneMesh> meshes; ///< one for each shape that has triangles
     qcActivity activity = qc_activityMoving;
