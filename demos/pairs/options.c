@@ -59,7 +59,7 @@ void qcPairs_ReadOptions(int argumentCount, char** arguments, qcPairsOptions* op
          qcOption_Flag(&detect->neighbours, true)},
         {1, "margin", "D",
          "Report all pairs no further apart than D, touching ones too, decided exactly; D is in the units of the "
-         "meshes. 0, the default: pairs that intersect",
+         "meshes. 0, the default: pairs that penetrate each other; see --touching",
          qcOption_Length(&detect->margin)},
         {1, "f64", NULL,
          "Keep every digit of the positions, for meshes far from the origin. By default OBJ is read as float, PLY as "

@@ -243,7 +243,8 @@ typedef struct qcDetectDef
     uint32_t structSize; ///< sizeof(qcDetectDef)
     qcMethod method;     ///< qc_methodAuto by default
     /// Report all pairs at this distance or nearer, finite, in scene units, decided exactly; touching pairs are then
-    /// reported too. 0: intersecting pairs only. `cullide` and `quick` refuse a margin unless `reliable` is set.
+    /// reported too. 0: pairs that penetrate; see `touching`. `cullide` and `quick` refuse a margin unless `reliable`
+    /// is set.
     double margin;
     bool touching;    ///< report touching pairs too
     bool neighbours;  ///< test pairs of triangles within a body that share a vertex index, too
