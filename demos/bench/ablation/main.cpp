@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 
 namespace
 {
@@ -64,11 +65,12 @@ int main(int argumentCount, char** arguments)
     int steps = argumentCount == 2 ? std::atoi(arguments[1]) : argumentCount == 1 ? 360 : 0;
     if (steps <= 60)
     {
-        std::fprintf(stderr,
+        const bool isAsked = argumentCount == 2 && std::strcmp(arguments[1], "--help") == 0;
+        std::fprintf(isAsked ? stdout : stderr,
                      "usage: qc-ablation [STEPS]\n"
                      "Runs each scene with all stages of manifolds, then with each stage switched off. STEPS of "
                      "1/60 s, more than 60: how long the simulations are; by default 360.\n");
-        return 2;
+        return isAsked ? 0 : 2;
     }
     std::printf("%-16s %-20s %8s %8s %12s %12s %12s\n", "scene", "switched off", "ms", "points", "depth/true",
                 "overlap mm", "speed mm/s");
