@@ -18,7 +18,7 @@ enum
 };
 
 // A pair is too deep if the whole region is separated by this share of its depth. Where surfaces are flush all pairs
-// may touch only, and the way out of one is as good as any other: no longer is enough there.
+// may touch only, and none need have the way out as its normal: a normal of a face that is no longer is taken, too.
 static const double s_muchShorter = 0.5, s_noLonger = 1.0 + 0x1p-20;
 
 typedef struct Job
@@ -89,12 +89,14 @@ typedef struct Candidates
     int count;
 } Candidates;
 
+/// Evaluates a normal, unless it is zero or has been evaluated.
 static void Try(const Job* job, qcVector normal, Candidates* candidates, Members* members, Translation* best)
 {
     int known = 0;
     while (known < candidates->count && qcDot(candidates->normals[known], normal) < QC_MANIFOLD_FLAT)
         known++;
-    if (known < candidates->count || candidates->count == qc_maxCandidates)
+    bool isUnit = qcDot(normal, normal) > 0.5;
+    if (!isUnit || known < candidates->count || candidates->count == qc_maxCandidates)
         return;
     candidates->normals[candidates->count++] = normal;
     Evaluate(job, normal, members, best);
@@ -106,7 +108,7 @@ static Translation FindTranslation(const Job* job, Members* members)
 {
     Candidates candidates = {.count = 0};
     Translation best = {.length = members->share * members->deepest};
-    for (size_t i = 0; i < members->count; i++)
+    for (size_t i = 0; i < members->count && best.length > 0.0; i++)
     {
         uint32_t p = PairOf(members, i);
         const qcPairProximity* proximity = qcContactProximity_Pair(job->input->proximity, p);
