@@ -149,8 +149,9 @@ int KeepReached(const Members& members, btScalar contactDistance, btScalar minSp
                 qcPointGroup* groups)
 {
     int count = 1;
-    for (const auto& [point, distance] : members.points)
+    for (const RankedPoint& ranked : members.points)
     {
+        const qcMeshPoint* point = ranked.point;
         auto isNear = [&](const qcPointGroup& group) { return IsNear(group, *point, minSpacing); };
         if (!IsReached(*point, contactDistance) || std::any_of(groups, groups + count, isNear))
             continue;
