@@ -119,19 +119,21 @@ bool qcBatchValidity::Check()
 {
     m_number++;
     CollectPairs();
-    auto checkPair = [this](size_t i, uint32_t)
+    std::vector<const qcPairContact*> contacts(m_present.size());
+    auto checkPair = [&](size_t i, uint32_t)
     {
         const qcBatchPair& present = m_present[i];
         const qcBatchObject &a = *present.gathered0, &b = *present.gathered1;
         qcPairContact& pair = *m_pairs.Find(a.owner, b.owner);
         pair.isDue = !Holds(pair, a, b) && !AreFar(present, &pair);
         pair.checked = m_number;
+        contacts[i] = &pair;
     };
     qcForEach(qcWorkersOf(m_scene.GetSettings().threads), m_present.size(), s_checkBlock, checkPair);
     m_due.clear();
-    for (const qcBatchPair& present : m_present)
-        if (m_pairs.Find(present.gathered0->owner, present.gathered1->owner)->isDue)
-            m_due.push_back(present);
+    for (size_t i = 0; i < m_present.size(); i++)
+        if (contacts[i]->isDue)
+            m_due.push_back(m_present[i]);
     m_pairs.RemoveOld(m_number);
     return m_due.empty();
 }

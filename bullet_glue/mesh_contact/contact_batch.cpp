@@ -81,7 +81,7 @@ void qcMeshBatch::ReadPairs()
     BT_PROFILE("qcMeshContact planes");
     m_axes.BeginStep();
     const std::vector<qcBatchPair>& due = m_validity.GetDue();
-    const std::vector<qcPlanePairs::Contact>& contacts = m_planes.Compute(due, m_scene.GetTimeStep(), settings.threads);
+    m_planes.Compute(due, m_scene.GetTimeStep(), settings.threads);
     m_impacts.Begin(m_scene.GetTimeStep());
     m_triangleSlots.clear();
     auto moving = [this](const btCollisionObject* object, const qcBatchObject& gathered, const qcBatchMesh& mesh)
@@ -100,7 +100,7 @@ void qcMeshBatch::ReadPairs()
     {
         const qcBatchPair& pair = due[i];
         const qcBatchObject &a = *pair.gathered0, &b = *pair.gathered1;
-        const qcPlanePairs::Contact known = contacts[i];
+        const qcPlanePairs::Contact known = m_planes.KnownOf(i);
         if (known == qcPlanePairs::Contact::all)
             continue;
         btVector3 axis(0, 0, 0);

@@ -140,33 +140,27 @@ qcPlanePairs::Result qcPlanePairs::ComputePair(const qcBatchPair& duePair, size_
     return result;
 }
 
-/// Collects what the workers have computed, in the order of the pairs.
-void qcPlanePairs::Collect(const std::vector<qcBatchPair>& pairs)
+/// Collects the links of all workers, in the order of their pairs.
+void qcPlanePairs::CollectLinks()
 {
-    m_pairs.clear();
     m_links.clear();
-    m_known.clear();
-    std::vector<size_t> places(pairs.size());
-    for (size_t i = 0; i < pairs.size(); i++)
-    {
-        const Result& result = m_results[i];
-        m_known.push_back(result.known);
-        if (result.isTouching)
-            m_cache.KeepTouching(pairs[i].object0, SideOf(*pairs[i].gathered0), pairs[i].object1,
-                                 SideOf(*pairs[i].gathered1));
-        places[i] = m_pairs.size();
-        if (result.known != Contact::none)
-            m_pairs.push_back(result.pair);
-    }
     for (const Worker& worker : m_workers)
         m_links.insert(m_links.end(), worker.links.begin(), worker.links.end());
     std::sort(m_links.begin(), m_links.end(), [](const Link& x, const Link& y) { return x.pair < y.pair; });
-    for (Link& link : m_links)
-        link.pair = places[link.pair];
 }
 
-const std::vector<qcPlanePairs::Contact>& qcPlanePairs::Compute(const std::vector<qcBatchPair>& pairs,
-                                                                btScalar timeStep, unsigned threads)
+/// Collects the pairs of which something is known.
+void qcPlanePairs::CollectPairs()
+{
+    m_pairs.clear();
+    for (const Result& result : m_results)
+        if (result.known != Contact::none)
+            m_pairs.push_back(result.pair);
+    std::sort(m_pairs.begin(), m_pairs.end(),
+              [](const Pair& x, const Pair& y) { return std::tie(x.low, x.high) < std::tie(y.low, y.high); });
+}
+
+void qcPlanePairs::Compute(const std::vector<qcBatchPair>& pairs, btScalar timeStep, unsigned threads)
 {
     m_timeStep = timeStep;
     m_bodies.clear();
@@ -186,11 +180,13 @@ const std::vector<qcPlanePairs::Contact>& qcPlanePairs::Compute(const std::vecto
     m_results.resize(pairs.size());
     qcForEach(uint32_t(m_workers.size()), pairs.size(), s_block,
               [&](size_t i, uint32_t worker) { m_results[i] = ComputePair(pairs[i], i, worker); });
-    Collect(pairs);
+    for (size_t i = 0; i < pairs.size(); i++)
+        if (m_results[i].isTouching)
+            m_cache.KeepTouching(pairs[i].object0, SideOf(*pairs[i].gathered0), pairs[i].object1,
+                                 SideOf(*pairs[i].gathered1));
+    CollectLinks();
     Follow();
-    std::sort(m_pairs.begin(), m_pairs.end(),
-              [](const Pair& x, const Pair& y) { return std::tie(x.low, x.high) < std::tie(y.low, y.high); });
-    return m_known;
+    CollectPairs();
 }
 
 /// How much a pair has closed in along its axis at a time.
@@ -229,7 +225,7 @@ bool qcPlanePairs::FollowLink(Link* link)
         return false;
     if (!link->hasContact)
     {
-        Pair& pair = m_pairs[link->pair];
+        Pair& pair = m_results[link->pair].pair;
         Worker& worker = m_workers[pair.worker];
         btScalar closing = ClosingUntil(*link, m_timeStep);
         size_t begin = worker.points.size();

@@ -20,9 +20,13 @@ class qcPlanePairs
         all      ///< of the step
     };
     /// Computes the contact of all pairs of a step, at the transforms that the scene has, and of bodies that follow one
-    /// that is stopped in the step. Returns for each pair what of it is known; valid until the next call. `threads`: 0:
-    /// one per core.
-    const std::vector<Contact>& Compute(const std::vector<qcBatchPair>& pairs, btScalar timeStep, unsigned threads);
+    /// that is stopped in the step. `threads`: 0: one per core.
+    void Compute(const std::vector<qcBatchPair>& pairs, btScalar timeStep, unsigned threads);
+    /// What is known of a pair, by its index in the last Compute.
+    Contact KnownOf(size_t index) const
+    {
+        return m_results[index].known;
+    }
     /// True if Compute has computed the contact of two meshes, named by their slots.
     bool Has(uint32_t slotA, uint32_t slotB) const
     {
@@ -63,7 +67,7 @@ class qcPlanePairs
         bool hasContact;       ///< its points are known
         qcSeparation separation;
         btScalar margins, rest;
-        size_t pair; ///< index; among all pairs of the step until Compute has read them all
+        size_t pair; ///< index of the step's pair
     };
 
     /// What has been computed of a pair of the step.
@@ -87,8 +91,9 @@ class qcPlanePairs
     qcPlacedSupport SideOf(const qcBatchObject& gathered) const;
     bool AreSmall(const qcBatchPair& pair) const;
     Result ComputePair(const qcBatchPair& pair, size_t index, uint32_t worker);
-    void Collect(const std::vector<qcBatchPair>& pairs);
+    void CollectLinks();
     void Follow();
+    void CollectPairs();
     btScalar ClosingUntil(const Link& link, btScalar time) const;
     btScalar TouchTime(const Link& link) const;
     bool FollowLink(Link* link);
@@ -97,7 +102,6 @@ class qcPlanePairs
     btScalar m_timeStep = 0;
     std::vector<Worker> m_workers;
     std::vector<Result> m_results; ///< by index of the step's pair
-    std::vector<Contact> m_known;  ///< likewise
     std::vector<Pair> m_pairs;     ///< sorted by slots
     std::vector<Body> m_bodies;    ///< by slot
     std::vector<Link> m_links;     ///< by index of their pairs
