@@ -34,7 +34,6 @@ typedef struct Members
     const qcSortItem* items; ///< their values are pairs
     size_t count;
     bool penetrating; ///< a pair penetrates: those that touch are no candidates
-    double share;     ///< of a pair's depth, see s_muchShorter
     double deepest;
     uint32_t last; ///< the pair that ruled out the last candidate; tested first, as it often rules out the next
 } Members;
@@ -45,6 +44,11 @@ typedef struct Translation
     qcVector normal;
     double length;
 } Translation;
+
+static double ShareOf(const Members* members)
+{
+    return members->penetrating ? s_muchShorter : s_noLonger;
+}
 
 static uint32_t PairOf(const Members* members, size_t i)
 {
@@ -107,7 +111,7 @@ static void Try(const Job* job, qcVector normal, Candidates* candidates, Members
 static Translation FindTranslation(const Job* job, Members* members)
 {
     Candidates candidates = {.count = 0};
-    Translation best = {.length = members->share * members->deepest};
+    Translation best = {.length = ShareOf(members) * members->deepest};
     for (size_t i = 0; i < members->count && best.length > 0.0; i++)
     {
         uint32_t p = PairOf(members, i);
@@ -150,10 +154,10 @@ static qcStatus ShortenRegion(const Job* job, Members* members)
         members->deepest = fmax(members->deepest, depth);
     }
     Translation best = FindTranslation(job, members);
-    if (!(best.length < members->share * members->deepest))
+    if (!(best.length < ShareOf(members) * members->deepest))
         return qc_statusOk;
     for (size_t i = 0; i < members->count; i++)
-        if (members->share * DepthOf(job, PairOf(members, i)) > best.length)
+        if (ShareOf(members) * DepthOf(job, PairOf(members, i)) > best.length)
             QC_TRY(AdoptNormal(job, PairOf(members, i), best.normal));
     return qc_statusOk;
 }
@@ -189,11 +193,9 @@ qcStatus qcContactNormals_Shorten(const qcContactInput* input, qcPairOverlaps* o
         while (end < normals->items.count && items[end].key == items[first].key)
             end++;
         uint32_t pair = (uint32_t)items[first].value;
-        bool penetrating = RegionOf(input, pair)->penetrating;
         Members members = {.items = items + first,
                            .count = end - first,
-                           .penetrating = penetrating,
-                           .share = penetrating ? s_muchShorter : s_noLonger,
+                           .penetrating = RegionOf(input, pair)->penetrating,
                            .last = pair};
         QC_TRY(ShortenRegion(&job, &members));
     }

@@ -11,7 +11,6 @@
 #include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
-#include <functional>
 
 namespace
 {
@@ -30,9 +29,9 @@ bool AreSame(const std::vector<qcSceneShape>& a, const std::vector<qcSceneShape>
 bool AreReshaped(const std::vector<qcSceneShape>& a, const std::vector<qcSceneShape>& b)
 {
     auto isSame = [](const qcSceneShape& m, const qcSceneShape& n) { return m.shape == n.shape; };
-    auto isOlder = [](const qcSceneShape& m, const qcSceneShape& n) { return m.revision != n.revision; };
+    auto isUnchanged = [](const qcSceneShape& m, const qcSceneShape& n) { return m.revision == n.revision; };
     return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), isSame) &&
-           !std::equal(a.begin(), a.end(), b.begin(), std::not_fn(isOlder));
+           !std::equal(a.begin(), a.end(), b.begin(), isUnchanged);
 }
 
 /// The box around a box of world space in a frame.
