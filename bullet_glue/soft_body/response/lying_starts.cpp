@@ -22,8 +22,7 @@ struct Plane
     {
         btVector3 corners[3];
         for (size_t c = 0; c < 3; c++)
-            corners[c] =
-                rigid.start * (mesh.local * mesh.shape->getVertices()[mesh.shape->getIndices()[3 * triangle + c]]);
+            corners[c] = rigid.StartOf(mesh, mesh.shape->getIndices()[3 * triangle + c]);
         point = corners[0];
         normal = (corners[1] - point).cross(corners[2] - point);
         const btScalar length = normal.length();

@@ -151,7 +151,7 @@ void AddNodeCcd(qcSceneSoftBody& soft, qcSceneRigid& rigid, const qcSceneMesh& m
         btVector3 point = mesh.local * (start + (end - start) * ray.m_hitFraction);
         btVector3 normal = rigid.object->getWorldTransform().getBasis() * (mesh.local.getBasis() * ray.hitNormal);
         qcSoftConstraint constraint;
-        if (qcMakeMeshConstraint(soft, vertices, weights, rigid, point, normal, distance, &constraint))
+        if (qcMakeMeshConstraint(soft, vertices, weights, rigid, {point, point}, normal, distance, &constraint))
             constraints->push_back(constraint);
     }
 }
@@ -183,7 +183,8 @@ void AddLinksCcd(qcSceneSoftBody& soft, qcSceneRigid& rigid, const qcSceneMesh& 
             continue;
         const double weights[3] = {1 - double(crossing.onLink), double(crossing.onLink), 0};
         qcSoftConstraint constraint;
-        if (qcMakeMeshConstraint(soft, vertices, weights, rigid, mesh.local * crossing.point,
+        const btVector3 point = mesh.local * crossing.point;
+        if (qcMakeMeshConstraint(soft, vertices, weights, rigid, {point, point},
                                  now.getBasis() * (mesh.local.getBasis() * crossing.normal),
                                  mesh.ContactDistance(soft.thickness), &constraint))
             constraints->push_back(constraint);
@@ -204,6 +205,9 @@ std::vector<MovingMesh> MovingMeshes(const qcSoftBodyScene& scene)
     for (const std::unique_ptr<qcSceneRigid>& rigid : scene.meshes.Rigids())
         for (const qcSceneMesh& mesh : rigid->meshes)
         {
+            // Rays pass a mesh that deforms by the wrong way: planes alone hold what it meets.
+            if (mesh.Deforms())
+                continue;
             meshes.push_back({rigid.get(), &mesh, {}});
             rigid->FindMotionBox(mesh, meshes.back().box);
         }

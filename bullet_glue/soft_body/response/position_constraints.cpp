@@ -215,18 +215,18 @@ bool qcViewContact(qcSoftBodyScene& scene, const qcContact& contact, qcSoftConta
 }
 
 bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], const double weights[3],
-                          qcSceneRigid& rigid, const btVector3& point, const btVector3& normal, btScalar thickness,
+                          qcSceneRigid& rigid, const qcMeshPlace& place, const btVector3& normal, btScalar thickness,
                           qcSoftConstraint* constraint)
 {
     *constraint = qcSoftConstraint();
     AddNodes(soft, vertices, weights, 1, constraint);
     const btTransform& now = rigid.object->getWorldTransform();
     constraint->rigid = &rigid;
-    constraint->point = now * point;
+    constraint->point = now * place.point;
     constraint->arm = constraint->point - now.getOrigin();
-    constraint->startOffset -= rigid.start * point;
+    constraint->startOffset -= rigid.start * place.start;
     constraint->friction = (soft.settings.friction + rigid.object->getFriction()) / 2;
-    // What lies on triangles that the application has moved goes with them at once.
+    // What lies on a shape that has other triangles now goes with them at once.
     Orient(thickness, normal, rigid.isReshaped ? btScalar(1) : qcGapRecovery, constraint);
     // Contact wakes the rigid body, as Bullet's own contact of soft bodies does. It moves from the next step on.
     if (soft.moves && !rigid.object->isActive() && !rigid.object->isStaticOrKinematicObject())
@@ -247,8 +247,9 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
         qcSoftConstraint constraint;
         if (view.rigid != nullptr)
         {
-            btVector3 point = view.rigid->object->getWorldTransform().invXform(view.onB);
-            if (!qcMakeMeshConstraint(*view.a, view.verticesA, view.weightsA, *view.rigid, point, view.normal,
+            const btVector3 point = view.rigid->object->getWorldTransform().invXform(view.onB);
+            const qcMeshPlace place = {point, point - view.mesh->DeformationAt(view.verticesB, view.weightsB)};
+            if (!qcMakeMeshConstraint(*view.a, view.verticesA, view.weightsA, *view.rigid, place, view.normal,
                                       view.thickness, &constraint) ||
                 (view.mesh->isConvex && PushesInwards(constraint, *view.rigid, *view.mesh)))
                 continue;

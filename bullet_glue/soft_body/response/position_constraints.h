@@ -60,9 +60,15 @@ bool qcHasResponse(const qcSceneSoftBody& soft, const qcSceneRigid& rigid, const
 /// True if contacts of a soft body with some surface of the object push them apart.
 bool qcHasResponse(const qcSceneSoftBody& soft, const btCollisionObject* object);
 
-/// Makes a constraint between a soft body and a point of a mesh, in the object's frame. False: nothing can move.
+/// A point of a mesh in the frame of its object: where it is, and where the mesh had it at the start of the step.
+struct qcMeshPlace
+{
+    btVector3 point, start;
+};
+
+/// Makes a constraint between a soft body and a point of a mesh. False: nothing can move.
 bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], const double weights[3],
-                          qcSceneRigid& rigid, const btVector3& point, const btVector3& normal, btScalar thickness,
+                          qcSceneRigid& rigid, const qcMeshPlace& place, const btVector3& normal, btScalar thickness,
                           qcSoftConstraint* constraint);
 
 /// Makes a constraint for each contact of the result that has a response and is not exempt. `contactOf` receives the

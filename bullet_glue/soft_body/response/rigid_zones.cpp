@@ -266,7 +266,15 @@ btScalar qcSoftZones::DeviationOf(uint32_t slot, uint32_t triangle, const btTran
     qcSceneRigid* rigid = nullptr;
     const qcSceneMesh* mesh = m_scene.meshes.Find(slot, &rigid);
     const btTransform &start = rigid->start, &now = rigid->object->getWorldTransform();
-    deviation = qcMaxDisplacement(mesh->shape, motion * start * mesh->local, now * mesh->local);
+    if (mesh->Deforms())
+        for (size_t c = 0; c < 3; c++)
+        {
+            const uint32_t vertex = mesh->shape->getIndices()[3 * size_t(triangle) + c];
+            const btVector3 end = now * (mesh->local * mesh->vertices[vertex]);
+            deviation = std::max(deviation, (motion * rigid->StartOf(*mesh, vertex)).distance(end));
+        }
+    else
+        deviation = qcMaxDisplacement(mesh->shape, motion * start * mesh->local, now * mesh->local);
     size += start.getOrigin().length() + now.getOrigin().length() +
             2 * rigid->object->getCollisionShape()->getAngularMotionDisc();
     return deviation + s_roundingBound * size;

@@ -108,7 +108,7 @@ struct Corners
     {
         const qcSceneRigid& rigid = *side->rigid;
         Corner made;
-        made.start = rigid.start * (side->mesh->local * side->mesh->shape->getVertices()[vertex]);
+        made.start = rigid.StartOf(*side->mesh, vertex);
         made.end = EndOfMesh(*side, vertex, &made.arm);
         made.motion = made.end - made.start;
         made.height = outward.dot(made.end - origin);

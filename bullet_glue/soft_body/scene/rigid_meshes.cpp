@@ -4,10 +4,10 @@
 #include "common/compound_children.h"
 #include "common/object_key.h"
 #include "common/shape_triangles.h"
-#include "common/weld_vertices.h"
 #include "soft_body/scene/objects_in_box.h"
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
+#include <LinearMath/btAabbUtil2.h>
 #include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
@@ -45,21 +45,6 @@ void ToFrame(const btTransform& frame, const btVector3 box[2], btVector3 local[2
     local[1] = center + extent;
 }
 
-/// Adds a mesh with its vertices welded: contacts at corners and edges that triangles share are found once.
-qcStatus AddMesh(qcScene* scene, qcSceneMesh& mesh, qcActivity activity)
-{
-    const qcMeshShape& shape = *mesh.shape;
-    std::vector<uint32_t> first = qcFirstAtPosition(shape.getVertices(), shape.getVertexCount());
-    std::vector<uint32_t> indices(shape.getIndices(), shape.getIndices() + 3 * size_t(shape.getTriangleCount()));
-    for (uint32_t& index : indices)
-        index = first[index];
-    qcBodyDef def = qcMeshBodyDef(shape.getVertices(), shape.getVertexCount(), indices.data(), shape.getTriangleCount(),
-                                  mesh.sceneTransform, activity);
-    def.group = mesh.isSurface ? qcSurfaceGroup : qcMeshGroup;
-    def.mask = qcSoftGroup;
-    return qcScene_AddBody(scene, &def, &mesh.id);
-}
-
 /// True if the object may have meshes.
 bool MayHaveMeshes(const btCollisionObject* object, bool withSurfaces)
 {
@@ -72,7 +57,7 @@ qcStatus AddMeshes(qcScene* scene, qcSceneRigid* rigid)
     for (qcSceneMesh& mesh : rigid->meshes)
     {
         mesh.sceneTransform = rigid->object->getWorldTransform() * mesh.local;
-        qcStatus status = AddMesh(scene, mesh, rigid->activity);
+        qcStatus status = mesh.AddTo(scene, rigid->activity);
         if (status != qc_statusOk)
             return status;
     }
@@ -92,7 +77,7 @@ void ReadState(qcSceneRigid* rigid, const btTransform& start)
     btRigidBody* body = btRigidBody::upcast(rigid->object);
     bool isPushed = body != nullptr && body->isActive() && !body->isStaticOrKinematicObject();
     rigid->body = isPushed ? body : nullptr;
-    bool moves = rigid->object->isActive() && !rigid->object->isStaticObject();
+    bool moves = (rigid->object->isActive() && !rigid->object->isStaticObject()) || rigid->Deforms();
     qcActivity activity = moves || !qcAreSame(start, rigid->object->getWorldTransform()) ? qc_activityMoving
                           : rigid->object->isStaticObject()                              ? qc_activityStatic
                                                                                          : qc_activitySleeping;
@@ -137,10 +122,20 @@ btTransform qcSceneRigid::MotionTo(const btTransform& transform) const
     return transform == start ? btTransform::getIdentity() : transform * start.inverse();
 }
 
+void qcSceneRigid::DeformFrom(const qcSceneRigid& last)
+{
+    for (qcSceneMesh& mesh : meshes)
+        for (const qcSceneMesh& lastMesh : last.meshes)
+            mesh.DeformFrom(lastMesh);
+}
+
 void qcSceneRigid::FindMotionBox(const qcSceneMesh& mesh, btVector3 box[2]) const
 {
     btVector3 present[2];
     mesh.shape->getAabb(start * mesh.local, box[0], box[1]);
+    if (mesh.Deforms())
+        btTransformAabb(mesh.startBox[0], mesh.startBox[1], mesh.shape->getMargin(), start * mesh.local, box[0],
+                        box[1]);
     mesh.shape->getAabb(object->getWorldTransform() * mesh.local, present[0], present[1]);
     box[0].setMin(present[0]);
     box[1].setMax(present[1]);
@@ -158,11 +153,14 @@ void qcSoftBodyMeshes::ReadMotions(const std::set<btBroadphaseInterface*>& broad
     for (const qcObjectStarts::Present& present : m_starts.Objects())
         if (MayHaveMeshes(present.object, true))
             m_candidates.push_back(present);
+    m_reshaped.Read(m_candidates, m_surfaces);
+    m_collectedBoxes.clear();
 }
 
 void qcSoftBodyMeshes::CollectOverlapping(btBroadphaseInterface* broadphase, const btVector3& lower,
                                           const btVector3& upper, bool withSurfaces)
 {
+    m_collectedBoxes.push_back({lower, upper});
     auto add = [&](btCollisionObject* object)
     {
         if (MayHaveMeshes(object, withSurfaces))
@@ -200,6 +198,75 @@ void qcSoftBodyMeshes::MergeOverlaps()
         merged.box[1].setMax(overlap.box[1]);
     }
     m_overlaps.resize(count);
+}
+
+/// The object as it was in the previous step; null: not known.
+qcSceneRigid* qcSoftBodyMeshes::FindLast(const qcSceneRigid& rigid) const
+{
+    for (const auto* known : {&m_rigids, &m_away})
+        for (const std::unique_ptr<qcSceneRigid>& last : *known)
+            if (last && last->object == rigid.object && last->uniqueId == rigid.uniqueId)
+                return last.get();
+    return nullptr;
+}
+
+/// Adds overlaps of objects whose triangles have passed boxes of soft bodies since the previous step.
+void qcSoftBodyMeshes::AddReshaped()
+{
+    const size_t count = m_overlaps.size();
+    for (btCollisionObject* object : m_reshaped.Objects())
+    {
+        auto isIts = [object](const Overlap& overlap) { return overlap.object == object; };
+        if (std::any_of(m_overlaps.begin(), m_overlaps.begin() + ptrdiff_t(count), isIts))
+            continue;
+        const btBroadphaseProxy* proxy = object->getBroadphaseHandle();
+        Overlap overlap{object, true, {proxy->m_aabbMin, proxy->m_aabbMax}};
+        const std::unique_ptr<qcSceneRigid> rigid = MakeRigid(overlap);
+        const qcSceneRigid* last = FindLast(*rigid);
+        if (last == nullptr || AreSame(last->shapes, rigid->shapes))
+            continue;
+        btVector3 motion[2] = {proxy->m_aabbMin, proxy->m_aabbMax};
+        for (const qcSceneMesh& mesh : last->meshes)
+        {
+            btVector3 box[2];
+            btTransformAabb(mesh.box[0], mesh.box[1], 0, m_starts.StartOf(object) * mesh.local, box[0], box[1]);
+            motion[0].setMin(box[0]);
+            motion[1].setMax(box[1]);
+        }
+        auto overlaps = [&motion](const std::array<btVector3, 2>& box)
+        { return TestAabbAgainstAabb2(motion[0], motion[1], box[0], box[1]); };
+        if (std::any_of(m_collectedBoxes.begin(), m_collectedBoxes.end(), overlaps))
+            m_overlaps.push_back(overlap);
+    }
+    m_collectedBoxes.clear();
+    if (m_overlaps.size() > count)
+        MergeOverlaps();
+}
+
+/// Keeps the meshes of objects whose triangles the application moves and that are near no soft body.
+void qcSoftBodyMeshes::KeepReshaped()
+{
+    std::vector<std::unique_ptr<qcSceneRigid>> away;
+    for (btCollisionObject* object : m_reshaped.Objects())
+    {
+        auto isIts = [object](const Overlap& overlap) { return overlap.object == object; };
+        if (std::any_of(m_overlaps.begin(), m_overlaps.end(), isIts))
+            continue;
+        const btBroadphaseProxy* proxy = object->getBroadphaseHandle();
+        const Overlap overlap{object, true, {proxy->m_aabbMin, proxy->m_aabbMax}};
+        std::unique_ptr<qcSceneRigid> rigid = MakeRigid(overlap);
+        auto isSame = [&](const std::unique_ptr<qcSceneRigid>& last) {
+            return last && last->object == object && last->uniqueId == rigid->uniqueId &&
+                   AreSame(last->shapes, rigid->shapes);
+        };
+        auto last = std::find_if(m_away.begin(), m_away.end(), isSame);
+        if (last != m_away.end())
+            rigid = std::move(*last);
+        else
+            FindMeshes(rigid.get(), overlap);
+        away.push_back(std::move(rigid));
+    }
+    m_away.swap(away);
 }
 
 /// The simple shapes of an object that have triangles, without their surfaces.
@@ -278,8 +345,10 @@ void qcSoftBodyMeshes::FindMeshes(qcSceneRigid* rigid, const Overlap& overlap)
         }
         mesh.local = shape.local;
         mesh.index = i;
-        if (mesh.shape != nullptr)
-            rigid->meshes.push_back(mesh);
+        if (mesh.shape == nullptr)
+            continue;
+        mesh.ReadShape();
+        rigid->meshes.push_back(std::move(mesh));
     }
 }
 
@@ -298,30 +367,37 @@ std::unique_ptr<qcSceneRigid> qcSoftBodyMeshes::MakeRigid(const Overlap& overlap
 std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
 {
     MergeOverlaps();
+    AddReshaped();
     std::vector<std::unique_ptr<qcSceneRigid>> rigids;
     for (const Overlap& overlap : m_overlaps)
     {
         std::unique_ptr<qcSceneRigid> rigid = MakeRigid(overlap);
         if (rigid->shapes.empty())
             continue;
-        auto isIts = [&](const std::unique_ptr<qcSceneRigid>& other)
-        { return other && other->object == rigid->object && other->uniqueId == rigid->uniqueId; };
         auto isSame = [&](const std::unique_ptr<qcSceneRigid>& other)
-        { return isIts(other) && AreSame(other->shapes, rigid->shapes) && Cover(*other, overlap); };
+        {
+            return other && other->object == rigid->object && other->uniqueId == rigid->uniqueId && !other->Deforms() &&
+                   AreSame(other->shapes, rigid->shapes) && Cover(*other, overlap);
+        };
         auto found = std::find_if(m_rigids.begin(), m_rigids.end(), isSame);
         bool isReshaped = false;
         if (found != m_rigids.end())
             rigid = std::move(*found);
         else
         {
-            found = std::find_if(m_rigids.begin(), m_rigids.end(), isIts);
-            isReshaped = found != m_rigids.end() && AreReshaped((*found)->shapes, rigid->shapes);
             FindMeshes(rigid.get(), overlap);
+            const qcSceneRigid* last = FindLast(*rigid);
+            if (last != nullptr && !AreSame(last->shapes, rigid->shapes))
+            {
+                rigid->DeformFrom(*last);
+                isReshaped = !rigid->Deforms() && AreReshaped(last->shapes, rigid->shapes);
+            }
         }
         rigid->isReshaped = isReshaped;
         if (!rigid->meshes.empty())
             rigids.push_back(std::move(rigid));
     }
+    KeepReshaped();
     m_overlaps.clear();
     return rigids;
 }
@@ -424,14 +500,10 @@ qcStatus qcSoftBodyMeshes::SyncTransforms(qcScene* scene, bool atStart)
         for (qcSceneMesh& mesh : rigid->meshes)
         {
             qcScene_SetMargin(scene, mesh.id, double(mesh.shape->getMargin()));
-            btTransform transform = (atStart ? rigid->start : rigid->object->getWorldTransform()) * mesh.local;
-            if (mesh.sceneTransform == transform)
-                continue;
-            qcTransform converted = qcTransformOf(transform);
-            qcStatus status = qcScene_SetTransform(scene, mesh.id, &converted);
+            const btTransform& object = atStart ? rigid->start : rigid->object->getWorldTransform();
+            qcStatus status = mesh.Place(scene, object * mesh.local, atStart);
             if (status != qc_statusOk)
                 return status;
-            mesh.sceneTransform = transform;
         }
     return qc_statusOk;
 }

@@ -5,50 +5,17 @@
 
 #include "soft_body/scene/lone_bodies.h"
 #include "soft_body/scene/object_starts.h"
-#include "soft_body/scene/shape_surface.h"
+#include "soft_body/scene/reshaped_objects.h"
+#include "soft_body/scene/scene_mesh.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <vector>
 
 class btBroadphaseInterface;
-
-/// Filter groups of the scene: soft bodies collide with each other, with qcMeshShapes and, if their settings say so,
-/// with the surfaces of Bullet's own shapes; rigid ones with soft bodies only.
-constexpr uint32_t qcSoftGroup = 1, qcMeshGroup = 2, qcSurfaceGroup = 4;
-
-/// A simple shape of an object. A compound may have several.
-struct qcSceneShape
-{
-    const btCollisionShape* shape = nullptr;
-    btTransform local = btTransform::getIdentity(); ///< from the shape's frame to the object's
-    uint64_t revision = 0;                          ///< of the shape, when it was added to the scene
-    std::shared_ptr<const qcShapeSurface> surface;  ///< null for a qcMeshShape
-};
-
-/// The triangles of a simple shape.
-struct qcSceneMesh
-{
-    const qcMeshShape* shape = nullptr; ///< of the object, or the surface of one of its shapes
-    bool isSurface = false;
-    btTransform local = btTransform::getIdentity(); ///< from the shape's frame to the object's
-    size_t index = 0;                               ///< of the shape among those of the object
-    bool isConvex = false;                          ///< a closed convex surface
-    btVector3 inside{0, 0, 0};                      ///< a point inside of it, in the object's frame
-    qcBodyId id{};
-    btTransform sceneTransform = btTransform::getIdentity(); ///< of the mesh in the scene
-
-    /// Distance from the triangles at which a soft body of this thickness is kept. The margin of a surface is bounded:
-    /// all queries for contacts look as far as the largest distance, also those of the body with itself. With half the
-    /// thickness links pull ten times as many nodes through the surface in a step.
-    btScalar ContactDistance(btScalar thickness) const
-    {
-        btScalar margin = shape->getMargin();
-        return thickness / 2 + (isSurface ? std::min(margin, thickness) : margin);
-    }
-};
 
 /// An object with meshes.
 struct qcSceneRigid
@@ -56,7 +23,7 @@ struct qcSceneRigid
     btCollisionObject* object = nullptr;
     int uniqueId = 0;          ///< see qcUniqueIdOf
     bool withSurfaces = false; ///< `shapes` are not only qcMeshShapes
-    bool isReshaped = false;   ///< triangles have moved since the previous step
+    bool isReshaped = false;   ///< other triangles than in the previous step, and no mesh of it deforms
     std::vector<qcSceneShape> shapes;
     std::vector<qcSceneMesh> meshes; ///< one for each shape that has triangles
     qcActivity activity = qc_activityMoving;
@@ -78,6 +45,18 @@ struct qcSceneRigid
     void Push(const btVector3& arm, const btVector3& push);
     /// True if it can take any rigid motion: it is dynamic, and no factor or infinite inertia restricts it.
     bool IsFree() const;
+    /// Has meshes deform from those of the previous step: see qcSceneMesh::DeformFrom.
+    void DeformFrom(const qcSceneRigid& last);
+    /// True if one of its meshes deforms in the step.
+    bool Deforms() const
+    {
+        return std::any_of(meshes.begin(), meshes.end(), [](const qcSceneMesh& mesh) { return mesh.Deforms(); });
+    }
+    /// A vertex of one of its meshes at the start of the step, in world space.
+    btVector3 StartOf(const qcSceneMesh& mesh, uint32_t vertex) const
+    {
+        return start * (mesh.local * mesh.StartVertex(vertex));
+    }
     /// The motion from the start of the step to another transform; the identity, exactly, if these are equal.
     btTransform MotionTo(const btTransform& transform) const;
     /// The box of the motion of one of its meshes, from the start of the step to the present.
@@ -158,6 +137,9 @@ class qcSoftBodyMeshes
     };
 
     void MergeOverlaps();
+    void AddReshaped();
+    void KeepReshaped();
+    qcSceneRigid* FindLast(const qcSceneRigid& rigid) const;
     std::vector<qcSceneShape> ShapesOf(const btCollisionObject* object, bool withSurfaces) const;
     void FindBox(const Overlap& overlap, const btTransform& local, btVector3 box[2]) const;
     bool Cover(const qcSceneRigid& rigid, const Overlap& overlap) const;
@@ -171,7 +153,11 @@ class qcSoftBodyMeshes
     qcObjectStarts m_starts;
     std::vector<qcObjectStarts::Present> m_candidates; ///< the objects of the step that may have meshes
     qcSurfaceCache m_surfaces;
+    qcReshapedObjects m_reshaped;
     std::vector<Overlap> m_overlaps;
+    std::vector<std::array<btVector3, 2>> m_collectedBoxes; ///< of CollectOverlapping, for the next Sync
+    /// Objects whose triangles the application moves, in no scene, at the end of the previous step.
+    std::vector<std::unique_ptr<qcSceneRigid>> m_away;
     /// By unique id, in the order in which they were added; then those of Extend.
     std::vector<std::unique_ptr<qcSceneRigid>> m_rigids;
     std::vector<std::pair<qcSceneRigid*, size_t>> m_meshOfSlot;

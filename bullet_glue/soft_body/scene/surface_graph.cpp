@@ -1,8 +1,6 @@
 // A soft body's or a mesh's triangles as a graph.
 #include "soft_body/scene/surface_graph.h"
 
-#include "common/weld_vertices.h"
-
 qcSurfaceGraph::qcSurfaceGraph(qcSoftBodyScene& scene, uint32_t slot) : soft(scene.Find(slot))
 {
     if (soft != nullptr)
@@ -13,20 +11,16 @@ qcSurfaceGraph::qcSurfaceGraph(qcSoftBodyScene& scene, uint32_t slot) : soft(sce
     else
     {
         mesh = scene.meshes.Find(slot, &rigid);
-        const qcMeshShape& shape = *mesh->shape;
-        m_vertexCount = shape.getVertexCount();
+        m_vertexCount = mesh->shape->getVertexCount();
         m_transform = rigid->start * mesh->local;
-        std::vector<uint32_t> welded = qcFirstAtPosition(shape.getVertices(), m_vertexCount);
-        m_indices.reserve(3 * size_t(shape.getTriangleCount()));
-        for (size_t i = 0; i < 3 * size_t(shape.getTriangleCount()); i++)
-            m_indices.push_back(welded[shape.getIndices()[i]]);
+        m_indices = mesh->WeldedIndices();
     }
     Connect();
 }
 
 btVector3 qcSurfaceGraph::Position(uint32_t vertex) const
 {
-    return soft != nullptr ? soft->start[vertex] : m_transform * mesh->shape->getVertices()[vertex];
+    return soft != nullptr ? soft->start[vertex] : m_transform * mesh->StartVertex(vertex);
 }
 
 /// Each corner of a triangle becomes a neighbour of the other two.

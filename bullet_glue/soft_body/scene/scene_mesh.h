@@ -1,0 +1,85 @@
+// A mesh of a rigid object near soft bodies. Where the application has moved its vertices, it deforms in the step.
+#ifndef QC_GLUE_SOFT_BODY_SCENE_SCENE_MESH_H
+#define QC_GLUE_SOFT_BODY_SCENE_SCENE_MESH_H
+
+#include "soft_body/scene/shape_surface.h"
+
+#include "quickcullide/scene.h"
+
+#include <LinearMath/btTransform.h>
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+/// Filter groups of the scene: soft bodies collide with each other, with qcMeshShapes and, if their settings say so,
+/// with the surfaces of Bullet's own shapes; rigid ones with soft bodies only.
+constexpr uint32_t qcSoftGroup = 1, qcMeshGroup = 2, qcSurfaceGroup = 4;
+
+/// A simple shape of an object. A compound may have several.
+struct qcSceneShape
+{
+    const btCollisionShape* shape = nullptr;
+    btTransform local = btTransform::getIdentity(); ///< from the shape's frame to the object's
+    uint64_t revision = 0;                          ///< of the shape, when it was added to the scene
+    std::shared_ptr<const qcShapeSurface> surface;  ///< null for a qcMeshShape
+};
+
+/// The triangles of a simple shape.
+struct qcSceneMesh
+{
+    const qcMeshShape* shape = nullptr; ///< of the object, or the surface of one of its shapes
+    bool isSurface = false;
+    btTransform local = btTransform::getIdentity(); ///< from the shape's frame to the object's
+    size_t index = 0;                               ///< of the shape among those of the object
+    bool isConvex = false;                          ///< a closed convex surface
+    btVector3 inside{0, 0, 0};                      ///< a point inside of it, in the object's frame
+    qcBodyId id{};
+    btTransform sceneTransform = btTransform::getIdentity(); ///< of the mesh in the scene
+
+    //  In the shape's frame, as read from it; the shape itself may be gone in the next step.
+    std::vector<btVector3> vertices;
+    btVector3 box[2];           ///< around them: lower and upper corner
+    uint64_t trianglesHash = 0; ///< of its indices
+
+    //  A mesh whose vertices the application has moved deforms in the step, and is a deforming body of the scene.
+    std::vector<btVector3> startVertices; ///< at the start of the step, in the shape's frame; empty: it doesn't deform
+    btVector3 startBox[2];                ///< around them
+    bool isAtStart = false;               ///< in the scene: it has these
+
+    bool Deforms() const
+    {
+        return !startVertices.empty();
+    }
+    /// A vertex at the start of the step, in the shape's frame.
+    const btVector3& StartVertex(uint32_t vertex) const
+    {
+        return Deforms() ? startVertices[vertex] : shape->getVertices()[vertex];
+    }
+    /// How far the point of a triangle with these weights has moved in the step, in the object's frame, by deformation.
+    btVector3 DeformationAt(const uint32_t corners[3], const double weights[3]) const;
+    /// Its indices with vertices at the same position, at the start and at the end of the step, made one: contacts at
+    /// corners and edges that triangles share are found once.
+    std::vector<uint32_t> WeldedIndices() const;
+
+    /// Reads what the mesh keeps of `shape`.
+    void ReadShape();
+    /// Deforms in the step from what another mesh was, if that had the same triangles and none of their vertices was
+    /// more than half of its size elsewhere: a mesh that is put elsewhere doesn't pass what lies between.
+    void DeformFrom(const qcSceneMesh& last);
+    /// Adds it to a scene at `sceneTransform`.
+    qcStatus AddTo(qcScene* scene, qcActivity activity);
+    /// Sets `sceneTransform`, and its vertices if it deforms.
+    qcStatus Place(qcScene* scene, const btTransform& transform, bool atStart);
+
+    /// Distance from the triangles at which a soft body of this thickness is kept. The margin of a surface is bounded:
+    /// all queries for contacts look as far as the largest distance, also those of the body with itself. With half the
+    /// thickness links pull ten times as many nodes through the surface in a step.
+    btScalar ContactDistance(btScalar thickness) const
+    {
+        btScalar margin = shape->getMargin();
+        return thickness / 2 + (isSurface ? std::min(margin, thickness) : margin);
+    }
+};
+
+#endif
