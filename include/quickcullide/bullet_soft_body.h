@@ -101,8 +101,9 @@ struct qcSoftBodyStatistics
 /// positions are worked apart as soon as they penetrate. A body that is put into the plane of a rigid triangle, up to
 /// rounding, starts on the side from which the triangle's corners run counter-clockwise.
 ///
-/// Time: a step starts where the previous one ended. A node or an object that the application moves in between moves
-/// within the step; one that is put elsewhere, by more than half its size, starts there. Nodes get no velocity from it.
+/// Time: a step starts where the previous one ended. A node, an object or its triangles that the application moves in
+/// between move within the step; what is put elsewhere, by more than half its size, starts there. Nodes get no velocity
+/// from it.
 ///
 /// Rigid bodies: a soft body collides with each qcMeshShape, and with the surfaces of Bullet's own shapes as triangles;
 /// static, kinematic or moving, also in compounds; unless its collision flags have none of fCollision::RVSmask. Both
@@ -170,8 +171,8 @@ class QC_API qcSoftBodyContact
 
     /// Reports that the triangles of one of Bullet's shapes (static triangle mesh, terrain, btGImpactMeshShape) have
     /// moved: call it where Bullet requires refitTree or postUpdate. They are copied when a soft body first comes near,
-    /// and again only after this call. Scaling and margins are detected without it. They start the next step where they
-    /// are then: what they have passed isn't held.
+    /// and again only after this call. Scaling and margins are detected without it. In the next step each vertex moves
+    /// from where it was, and soft bodies go with it; see plugin/docs/never_through.md. O(triangles) in that step.
     void updateShape(const btCollisionShape* shape);
 
     /// Threads of the queries; 0, the default: one per core. Queries that take less than a millisecond run on one.

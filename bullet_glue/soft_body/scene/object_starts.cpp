@@ -14,20 +14,6 @@ bool IsDynamic(const btCollisionObject* object)
     const btRigidBody* body = btRigidBody::upcast(object);
     return body != nullptr && !body->isStaticOrKinematicObject();
 }
-
-/// Calls function(object, broadphase) for each object of the broadphases that is not a soft body.
-template <typename Function>
-void ForEachObject(const std::set<btBroadphaseInterface*>& broadphases, const Function& function)
-{
-    const btVector3 far(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
-    for (btBroadphaseInterface* broadphase : broadphases)
-        qcForEachObjectIn(broadphase, -far, far,
-                          [&](btCollisionObject* object)
-                          {
-                              if (object->getInternalType() != btCollisionObject::CO_SOFT_BODY)
-                                  function(object, broadphase);
-                          });
-}
 } // namespace
 
 /// The object, with the box of its motion from a transform to its present one.
@@ -71,16 +57,16 @@ void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep)
 
 void qcObjectStarts::Begin(const std::set<btBroadphaseInterface*>& broadphases)
 {
-    ForEachObject(broadphases,
-                  [this](btCollisionObject* object, btBroadphaseInterface*)
-                  {
-                      if (!IsDynamic(object))
-                          return;
-                      auto [found, isNew] = m_states.emplace(qcObjectKey(object), State());
-                      found->second.begin = object->getWorldTransform();
-                      if (isNew)
-                          found->second.end = found->second.begin;
-                  });
+    qcForEachObject(broadphases,
+                    [this](btCollisionObject* object, btBroadphaseInterface*)
+                    {
+                        if (!IsDynamic(object))
+                            return;
+                        auto [found, isNew] = m_states.emplace(qcObjectKey(object), State());
+                        found->second.begin = object->getWorldTransform();
+                        if (isNew)
+                            found->second.end = found->second.begin;
+                    });
 }
 
 void qcObjectStarts::Read(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep)
@@ -89,12 +75,12 @@ void qcObjectStarts::Read(const std::set<btBroadphaseInterface*>& broadphases, b
     m_count = 0;
     m_present.clear();
     m_moved.clear();
-    ForEachObject(broadphases,
-                  [this, timeStep](btCollisionObject* object, btBroadphaseInterface* broadphase)
-                  {
-                      m_present.push_back({object, broadphase});
-                      ReadObject(object, timeStep);
-                  });
+    qcForEachObject(broadphases,
+                    [this, timeStep](btCollisionObject* object, btBroadphaseInterface* broadphase)
+                    {
+                        m_present.push_back({object, broadphase});
+                        ReadObject(object, timeStep);
+                    });
     for (auto state = m_states.begin(); m_count < m_states.size() && state != m_states.end();)
         state = state->second.step != m_step ? m_states.erase(state) : std::next(state);
 }
@@ -102,16 +88,16 @@ void qcObjectStarts::Read(const std::set<btBroadphaseInterface*>& broadphases, b
 void qcObjectStarts::ForEachPlaced(const std::set<btBroadphaseInterface*>& broadphases,
                                    const BoxFunction& function) const
 {
-    ForEachObject(broadphases,
-                  [&](btCollisionObject* object, btBroadphaseInterface*)
-                  {
-                      auto found = m_states.find(qcObjectKey(object));
-                      if (IsDynamic(object) || !object->hasContactResponse() || found == m_states.end() ||
-                          qcAreSame(found->second.end, object->getWorldTransform()))
-                          return;
-                      const Moved moved = MakeMoved(object, found->second.end);
-                      function(moved.lower, moved.upper);
-                  });
+    qcForEachObject(broadphases,
+                    [&](btCollisionObject* object, btBroadphaseInterface*)
+                    {
+                        auto found = m_states.find(qcObjectKey(object));
+                        if (IsDynamic(object) || !object->hasContactResponse() || found == m_states.end() ||
+                            qcAreSame(found->second.end, object->getWorldTransform()))
+                            return;
+                        const Moved moved = MakeMoved(object, found->second.end);
+                        function(moved.lower, moved.upper);
+                    });
 }
 
 const btTransform& qcObjectStarts::StartOf(const btCollisionObject* object) const

@@ -1,9 +1,11 @@
-// The objects of a broadphase in a box.
+// The objects of broadphases, and those in a box.
 #ifndef QC_GLUE_SOFT_BODY_SCENE_OBJECTS_IN_BOX_H
 #define QC_GLUE_SOFT_BODY_SCENE_OBJECTS_IN_BOX_H
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+
+#include <set>
 
 /// Calls function(object) for each object whose box in the broadphase overlaps a box.
 template <typename Function>
@@ -26,6 +28,20 @@ void qcForEachObjectIn(btBroadphaseInterface* broadphase, const btVector3& lower
     };
     Callback callback(function);
     broadphase->aabbTest(lower, upper, callback);
+}
+
+/// Calls function(object, broadphase) for each object of the broadphases that is not a soft body.
+template <typename Function>
+void qcForEachObject(const std::set<btBroadphaseInterface*>& broadphases, const Function& function)
+{
+    const btVector3 far(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
+    for (btBroadphaseInterface* broadphase : broadphases)
+        qcForEachObjectIn(broadphase, -far, far,
+                          [&](btCollisionObject* object)
+                          {
+                              if (object->getInternalType() != btCollisionObject::CO_SOFT_BODY)
+                                  function(object, broadphase);
+                          });
 }
 
 #endif

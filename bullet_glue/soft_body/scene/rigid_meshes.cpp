@@ -201,13 +201,44 @@ void qcSoftBodyMeshes::MergeOverlaps()
 }
 
 /// The object as it was in the previous step; null: not known.
-qcSceneRigid* qcSoftBodyMeshes::FindLast(const qcSceneRigid& rigid) const
+const qcSceneRigid* qcSoftBodyMeshes::FindLast(const btCollisionObject* object) const
 {
     for (const auto* known : {&m_rigids, &m_away})
         for (const std::unique_ptr<qcSceneRigid>& last : *known)
-            if (last && last->object == rigid.object && last->uniqueId == rigid.uniqueId)
+            if (last && last->object == object && last->uniqueId == qcUniqueIdOf(object))
                 return last.get();
     return nullptr;
+}
+
+/// True if the object is known with other triangles. `box` receives the lower and upper corner of the box around their
+/// motion.
+bool qcSoftBodyMeshes::IsReshaped(const btCollisionObject* object, btVector3 box[2]) const
+{
+    const qcSceneRigid* last = FindLast(object);
+    if (last == nullptr || AreSame(last->shapes, ShapesOf(object, last->withSurfaces)))
+        return false;
+    object->getCollisionShape()->getAabb(object->getWorldTransform(), box[0], box[1]);
+    for (const qcSceneMesh& mesh : last->meshes)
+    {
+        btVector3 lastBox[2];
+        btTransformAabb(mesh.box[0], mesh.box[1], 0, m_starts.StartOf(object) * mesh.local, lastBox[0], lastBox[1]);
+        box[0].setMin(lastBox[0]);
+        box[1].setMax(lastBox[1]);
+    }
+    return true;
+}
+
+void qcSoftBodyMeshes::ForEachPlaced(const std::set<btBroadphaseInterface*>& broadphases,
+                                     const qcObjectStarts::BoxFunction& function) const
+{
+    m_starts.ForEachPlaced(broadphases, function);
+    qcForEachObject(broadphases,
+                    [&](btCollisionObject* object, btBroadphaseInterface*)
+                    {
+                        btVector3 box[2];
+                        if (object->hasContactResponse() && IsReshaped(object, box))
+                            function(box[0], box[1]);
+                    });
 }
 
 /// Adds overlaps of objects whose triangles have passed boxes of soft bodies since the previous step.
@@ -216,27 +247,13 @@ void qcSoftBodyMeshes::AddReshaped()
     const size_t count = m_overlaps.size();
     for (btCollisionObject* object : m_reshaped.Objects())
     {
+        btVector3 motion[2];
         auto isIts = [object](const Overlap& overlap) { return overlap.object == object; };
-        if (std::any_of(m_overlaps.begin(), m_overlaps.begin() + ptrdiff_t(count), isIts))
-            continue;
-        const btBroadphaseProxy* proxy = object->getBroadphaseHandle();
-        Overlap overlap{object, true, {proxy->m_aabbMin, proxy->m_aabbMax}};
-        const std::unique_ptr<qcSceneRigid> rigid = MakeRigid(overlap);
-        const qcSceneRigid* last = FindLast(*rigid);
-        if (last == nullptr || AreSame(last->shapes, rigid->shapes))
-            continue;
-        btVector3 motion[2] = {proxy->m_aabbMin, proxy->m_aabbMax};
-        for (const qcSceneMesh& mesh : last->meshes)
-        {
-            btVector3 box[2];
-            btTransformAabb(mesh.box[0], mesh.box[1], 0, m_starts.StartOf(object) * mesh.local, box[0], box[1]);
-            motion[0].setMin(box[0]);
-            motion[1].setMax(box[1]);
-        }
-        auto overlaps = [&motion](const std::array<btVector3, 2>& box)
+        auto isPassed = [&motion](const std::array<btVector3, 2>& box)
         { return TestAabbAgainstAabb2(motion[0], motion[1], box[0], box[1]); };
-        if (std::any_of(m_collectedBoxes.begin(), m_collectedBoxes.end(), overlaps))
-            m_overlaps.push_back(overlap);
+        if (std::none_of(m_overlaps.begin(), m_overlaps.begin() + ptrdiff_t(count), isIts) &&
+            IsReshaped(object, motion) && std::any_of(m_collectedBoxes.begin(), m_collectedBoxes.end(), isPassed))
+            m_overlaps.push_back({object, true, {motion[0], motion[1]}});
     }
     m_collectedBoxes.clear();
     if (m_overlaps.size() > count)
@@ -347,7 +364,7 @@ void qcSoftBodyMeshes::FindMeshes(qcSceneRigid* rigid, const Overlap& overlap)
         mesh.index = i;
         if (mesh.shape == nullptr)
             continue;
-        mesh.ReadShape();
+        mesh.ReadShape(shape.surface.get());
         rigid->meshes.push_back(std::move(mesh));
     }
 }
@@ -386,7 +403,7 @@ std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
         else
         {
             FindMeshes(rigid.get(), overlap);
-            const qcSceneRigid* last = FindLast(*rigid);
+            const qcSceneRigid* last = FindLast(rigid->object);
             if (last != nullptr && !AreSame(last->shapes, rigid->shapes))
             {
                 rigid->DeformFrom(*last);

@@ -75,12 +75,10 @@ class qcSoftBodyMeshes
     {
         m_starts.Begin(broadphases);
     }
-    /// See qcObjectStarts.
+    /// Calls function(lower, upper) for the motion of each object that Bullet does not move and others respond to,
+    /// where the application has moved it or its triangles since the previous step. O(objects).
     void ForEachPlaced(const std::set<btBroadphaseInterface*>& broadphases,
-                       const qcObjectStarts::BoxFunction& function) const
-    {
-        m_starts.ForEachPlaced(broadphases, function);
-    }
+                       const qcObjectStarts::BoxFunction& function) const;
     /// Reads where all objects start and end the step. Call it before CollectOverlapping.
     void ReadMotions(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep);
     /// Collects the objects with meshes whose proxies or motions over the step overlap this box, for the next Sync.
@@ -137,9 +135,10 @@ class qcSoftBodyMeshes
     };
 
     void MergeOverlaps();
+    bool IsReshaped(const btCollisionObject* object, btVector3 box[2]) const;
     void AddReshaped();
     void KeepReshaped();
-    qcSceneRigid* FindLast(const qcSceneRigid& rigid) const;
+    const qcSceneRigid* FindLast(const btCollisionObject* object) const;
     std::vector<qcSceneShape> ShapesOf(const btCollisionObject* object, bool withSurfaces) const;
     void FindBox(const Overlap& overlap, const btTransform& local, btVector3 box[2]) const;
     bool Cover(const qcSceneRigid& rigid, const Overlap& overlap) const;

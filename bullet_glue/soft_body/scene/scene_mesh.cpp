@@ -41,7 +41,7 @@ std::vector<uint32_t> qcSceneMesh::WeldedIndices() const
     return indices;
 }
 
-void qcSceneMesh::ReadShape()
+void qcSceneMesh::ReadShape(const qcShapeSurface* surface)
 {
     vertices.assign(shape->getVertices(), shape->getVertices() + shape->getVertexCount());
     box[0] = box[1] = vertices.front();
@@ -50,12 +50,14 @@ void qcSceneMesh::ReadShape()
         box[0].setMin(vertex);
         box[1].setMax(vertex);
     }
-    trianglesHash = qcXxh64(shape->getIndices(), 3 * size_t(shape->getTriangleCount()) * sizeof(uint32_t), 0);
+    if (surface == nullptr || surface->sourcesHash != 0)
+        trianglesHash = qcXxh64(shape->getIndices(), 3 * size_t(shape->getTriangleCount()) * sizeof(uint32_t),
+                                surface != nullptr ? surface->sourcesHash : 0);
 }
 
 void qcSceneMesh::DeformFrom(const qcSceneMesh& last)
 {
-    if (last.index != index || !(last.local == local) || last.trianglesHash != trianglesHash ||
+    if (trianglesHash == 0 || last.index != index || !(last.local == local) || last.trianglesHash != trianglesHash ||
         last.vertices.size() != vertices.size())
         return;
     const btScalar most = (last.box[1] - last.box[0]).length2() / 4;

@@ -40,7 +40,7 @@ struct qcSceneMesh
     //  In the shape's frame, as read from it; the shape itself may be gone in the next step.
     std::vector<btVector3> vertices;
     btVector3 box[2];           ///< around them: lower and upper corner
-    uint64_t trianglesHash = 0; ///< of its indices
+    uint64_t trianglesHash = 0; ///< of its indices and the triangles' numbers in Bullet; 0: the mesh can't deform
 
     //  A mesh whose vertices the application has moved deforms in the step, and is a deforming body of the scene.
     std::vector<btVector3> startVertices; ///< at the start of the step, in the shape's frame; empty: it doesn't deform
@@ -62,8 +62,8 @@ struct qcSceneMesh
     /// corners and edges that triangles share are found once.
     std::vector<uint32_t> WeldedIndices() const;
 
-    /// Reads what the mesh keeps of `shape`.
-    void ReadShape();
+    /// Reads what the mesh keeps of `shape`; `surface`: null for a qcMeshShape.
+    void ReadShape(const qcShapeSurface* surface);
     /// Deforms in the step from what another mesh was, if that had the same triangles and none of their vertices was
     /// more than half of its size elsewhere: a mesh that is put elsewhere doesn't pass what lies between.
     void DeformFrom(const qcSceneMesh& last);

@@ -5,6 +5,7 @@
 #include "common/shape_triangles.h"
 #include "common/weld_vertices.h"
 #include "quickcullide/bullet_positions.h"
+#include "quickcullide/hash.h"
 #include "soft_body/scene/convex_triangles.h"
 
 #include <BulletCollision/CollisionShapes/btPolyhedralConvexShape.h>
@@ -129,10 +130,10 @@ bool IsTooLarge(const btConcaveShape* shape)
     return counter.count > s_maxTriangles;
 }
 
-/// `box`: null for the whole shape.
-std::unique_ptr<qcMeshShape> MakeConcaveMesh(const btConcaveShape* shape, const btVector3* box)
+/// Makes the mesh of a concave shape, or of its part in the region.
+void ReadConcave(const btConcaveShape* shape, qcShapeSurface* surface)
 {
-    qcMeshTriangles triangles(shape, box);
+    const qcMeshTriangles triangles(shape, surface->isWhole ? nullptr : surface->region);
     std::vector<uint32_t> first = qcFirstAtPosition(triangles.points, triangles.pointCount), welded(first.size());
     std::vector<btVector3> points;
     for (uint32_t i = 0; i < triangles.pointCount; i++)
@@ -148,9 +149,11 @@ std::unique_ptr<qcMeshShape> MakeConcaveMesh(const btConcaveShape* shape, const 
     std::vector<uint32_t> indices(triangles.indices, triangles.indices + 3 * size_t(triangles.count));
     for (uint32_t& index : indices)
         index = welded[index];
-    std::unique_ptr<qcMeshShape> mesh = MakeMesh(points, indices);
-    mesh->setMargin(std::max(shape->getMargin(), mesh->getMargin()));
-    return mesh;
+    surface->mesh = MakeMesh(points, indices);
+    surface->mesh->setMargin(std::max(shape->getMargin(), surface->mesh->getMargin()));
+    if (surface->isWhole)
+        surface->sourcesHash =
+            qcXxh64(triangles.sources.data(), triangles.sources.size() * sizeof(qcTriangleSource), 0);
 }
 
 /// The surface, with a region twice as large as the box where it has one.
@@ -176,7 +179,7 @@ std::shared_ptr<const qcShapeSurface> MakeSurface(const btCollisionShape* shape,
     {
         const auto* concave = static_cast<const btConcaveShape*>(shape);
         surface->isWhole = qcIsGImpactMesh(shape) || !IsTooLarge(concave);
-        surface->mesh = MakeConcaveMesh(concave, surface->isWhole ? nullptr : surface->region);
+        ReadConcave(concave, surface.get());
     }
     if (surface->mesh != nullptr && surface->mesh->getTriangleCount() == 0)
         surface->mesh.reset();

@@ -21,6 +21,7 @@ struct qcShapeSurface
     bool isConvex = false;     ///< a closed convex surface
     btVector3 inside{0, 0, 0}; ///< a point inside of it, in the shape's frame
     btVector3 region[2];       ///< lower and upper corner, in the shape's frame
+    uint64_t sourcesHash = 0;  ///< of the numbers that the triangles have in Bullet; 0: not a mesh, or a part of one
 
     /// True if the mesh has all of the surface that overlaps the box.
     bool Covers(const btVector3 box[2]) const;

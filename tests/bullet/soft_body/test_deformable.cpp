@@ -362,22 +362,33 @@ START_TEST(a_sheet_at_rest_that_the_application_moves_into_the_floor_stays_at_re
 }
 END_TEST
 
-/// Moves a kinematic plate with these further flags up through a sheet that sleeps, and calls step(world, sheet) at
-/// each place. Returns the height of the sheet's middle.
-template <typename Function> static double MovePlateThroughSleeper(int flags, Function step)
+/// Moves a kinematic plate with these further flags up through a sheet that sleeps, by its transform or by its
+/// triangles, and calls step(world, sheet) at each place. Returns the height of the sheet's middle.
+template <typename Function> static double MovePlateThroughSleeper(int flags, bool byTriangles, Function step)
 {
     World<qcDeformableWorld> world(btVector3(0, 0, 0));
     btSoftBody* sheet = world.AddSheet(btScalar(0.5), 0, 10);
     world.StepApart(600);
     ck_assert(!sheet->isActive());
-    std::unique_ptr<qcMeshShape> shape = qcFloorModel(0.3, 2).MakeShape();
-    btRigidBody plate(0, nullptr, shape.get());
+    const qcModel model = qcFloorModel(0.3, 2);
+    std::vector<std::unique_ptr<qcMeshShape>> shapes;
+    shapes.push_back(model.MakeShape());
+    btRigidBody plate(0, nullptr, shapes[0].get());
     plate.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT | flags);
     plate.setActivationState(DISABLE_DEACTIVATION);
     world.world->addRigidBody(&plate);
     for (btScalar y : {btScalar(0.2), btScalar(0.35), btScalar(0.55), btScalar(0.75)})
     {
-        plate.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, y, 0)));
+        const btTransform place(btQuaternion::getIdentity(), btVector3(0, y, 0));
+        if (byTriangles)
+        {
+            qcModel moved = model;
+            moved.Move(place);
+            shapes.push_back(moved.MakeShape());
+            plate.setCollisionShape(shapes.back().get());
+        }
+        else
+            plate.setWorldTransform(place);
         step(world, sheet);
     }
     world.world->removeRigidBody(&plate);
@@ -386,24 +397,28 @@ template <typename Function> static double MovePlateThroughSleeper(int flags, Fu
 
 START_TEST(a_moving_plate_wakes_a_sleeping_sheet_and_takes_it_along)
 {
-    double height = MovePlateThroughSleeper(0,
-                                            [](World<qcDeformableWorld>& world, btSoftBody*)
-                                            {
-                                                world.StepApart(1);
-                                                ck_assert_int_eq(world.world->getStatistics().unproven, 0);
-                                            });
-    ck_assert_double_gt(height, 0.75);
+    for (bool byTriangles : {false, true})
+    {
+        double height = MovePlateThroughSleeper(0, byTriangles,
+                                                [](World<qcDeformableWorld>& world, btSoftBody*)
+                                                {
+                                                    world.StepApart(1);
+                                                    ck_assert_int_eq(world.world->getStatistics().unproven, 0);
+                                                });
+        ck_assert_double_gt(height, 0.75);
+    }
 }
 END_TEST
 
 START_TEST(a_plate_without_response_does_not_wake_a_sleeping_sheet)
 {
-    MovePlateThroughSleeper(btCollisionObject::CF_NO_CONTACT_RESPONSE,
-                            [](World<qcDeformableWorld>& world, btSoftBody* sheet)
-                            {
-                                world.Step();
-                                ck_assert(!sheet->isActive());
-                            });
+    for (bool byTriangles : {false, true})
+        MovePlateThroughSleeper(btCollisionObject::CF_NO_CONTACT_RESPONSE, byTriangles,
+                                [](World<qcDeformableWorld>& world, btSoftBody* sheet)
+                                {
+                                    world.Step();
+                                    ck_assert(!sheet->isActive());
+                                });
 }
 END_TEST
 
