@@ -146,7 +146,7 @@ bool qcMotionIslands::IsFree(const qcSweptObject& free) const
 bool qcMotionIslands::MoveAsOne(const qcSweptObject& a, const qcSweptObject& b) const
 {
     const qcSweptObject* carrier = a.body == nullptr ? &a : b.body == nullptr ? &b : CarrierOf(a);
-    if (carrier == nullptr || !carrier->moves)
+    if (carrier == nullptr || !carrier->moves || carrier->Deforms())
         return false;
     auto isCarried = [&](const qcSweptObject& swept)
     { return &swept == carrier || (swept.body != nullptr && swept.fraction <= 0 && CarrierOf(swept) == carrier); };

@@ -58,6 +58,7 @@ bool IsSwept(const qcSweptObject& swept)
 
 void qcMotionLimiter::InvalidateShape(const btCollisionShape* shape)
 {
+    m_objects.InvalidateShape(shape);
     for (qcSweptObject* swept : m_objects.Get())
         for (qcSweptMesh& mesh : swept->meshes)
             if (mesh.shape == shape)
@@ -334,9 +335,13 @@ void qcMotionLimiter::FindPairs(bool isFirst)
 /// Finds the object in the scene of contact, once a step.
 void qcMotionLimiter::LookUp(qcSweptObject* swept)
 {
-    if (!swept->isLookedUp)
-        swept->known = m_gaps.FindCurrent(swept->object);
+    if (swept->isLookedUp)
+        return;
     swept->isLookedUp = true;
+    swept->known = swept->Deforms() ? nullptr : m_gaps.FindCurrent(swept->object);
+    // The application may move its triangles before the next step.
+    if (swept->body == nullptr && swept->meshes.empty())
+        swept->meshes = qcReadSweptMeshes(swept->object->getCollisionShape(), true);
 }
 
 /// Leaves out the pairs of which a function of their index is true. Calls for different pairs may run at once, on

@@ -67,9 +67,18 @@ btTransform qcSweptObject::At(btScalar part) const
 void qcSweptObject::FindBox()
 {
     object->getCollisionShape()->getAabb(start, lower, upper);
-    moves = !qcAreSame(start, end);
+    moves = !qcAreSame(start, end) || Deforms();
     if (!moves)
         return;
+    for (const qcSweptMesh& mesh : meshes)
+        if (mesh.Deforms())
+        {
+            btVector3 box[2];
+            btTransformAabb(mesh.startBox[0], mesh.startBox[1], mesh.shape->getMargin(), start * mesh.local, box[0],
+                            box[1]);
+            lower.setMin(box[0]);
+            upper.setMax(box[1]);
+        }
     btVector3 lowerEnd, upperEnd;
     object->getCollisionShape()->getAabb(end, lowerEnd, upperEnd);
     lower.setMin(lowerEnd);
@@ -127,13 +136,51 @@ void qcSweptObjects::MarkStarts()
         }
 }
 
+/// Notices that the application has moved the triangles of an object that Bullet does not move: its meshes then deform
+/// in this step, if the previous one had read them.
+void qcSweptObjects::ReadTriangles(qcSweptObject* swept, qcScene* scene) const
+{
+    if (swept->body != nullptr || !swept->hasMesh)
+        return;
+    uint64_t revision = 0;
+    auto add = [&](const btCollisionShape* simple, const btTransform&)
+    {
+        auto changes = m_changes.find(simple);
+        if (qcIsMesh(simple))
+            revision = qcMixHash(qcMixHash(revision, qcMeshRevision(simple)),
+                                 changes != m_changes.end() ? changes->second : 0);
+    };
+    qcForEachSimpleShape(swept->object->getCollisionShape(), btTransform::getIdentity(), add);
+    std::swap(swept->revision, revision);
+    if (revision == 0 || revision == swept->revision)
+        return;
+    std::vector<qcSweptMesh> last = qcReadSweptMeshes(swept->object->getCollisionShape(), true);
+    last.swap(swept->meshes);
+    for (size_t i = 0; i < std::min(last.size(), swept->meshes.size()); i++)
+        swept->meshes[i].DeformFrom(last[i]);
+    for (qcSweptMesh& mesh : last)
+        mesh.RemoveFrom(scene);
+}
+
+/// The meshes that have deformed in the previous step are rigid again.
+void qcSweptObjects::EndDeformations(qcScene* scene)
+{
+    for (qcSweptObject* swept : m_sorted)
+        for (qcSweptMesh& mesh : swept->meshes)
+            if (mesh.Deforms())
+            {
+                mesh.startPoints.clear();
+                mesh.RemoveFrom(scene);
+            }
+}
+
 void qcSweptObjects::RemoveGone(qcScene* scene)
 {
     auto isGone = [this](const qcSweptObject* swept) { return swept->step != m_step; };
     for (qcSweptObject* swept : m_sorted)
         if (isGone(swept))
             for (qcSweptMesh& mesh : swept->meshes)
-                qcScene_RemoveBody(scene, mesh.id);
+                mesh.RemoveFrom(scene);
     m_sorted.erase(std::remove_if(m_sorted.begin(), m_sorted.end(), isGone), m_sorted.end());
     for (auto entry = m_objects.begin(); entry != m_objects.end();)
         entry = isGone(entry->second.get()) ? m_objects.erase(entry) : std::next(entry);
@@ -188,7 +235,8 @@ bool qcSweptObjects::ReadTargets(qcScene* scene)
         swept.step = m_step;
         swept.body = DynamicBody(objects[i]);
         ReadShape(&swept, m_settings.gimpact);
-        swept.hull = m_axes.FindMesh(objects[i]);
+        ReadTriangles(&swept, scene);
+        swept.hull = swept.Deforms() ? nullptr : m_axes.FindMesh(objects[i]);
         swept.target = swept.end = objects[i]->getWorldTransform();
         FindFloors(&swept);
         swept.carried = swept.start;
@@ -240,6 +288,7 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
         swept->lost = 0;
         swept->isLimited = false;
     }
+    EndDeformations(scene);
     ReadTargets(scene);
     for (qcSweptObject* swept : m_sorted)
         if (!m_isMarked && swept->body != nullptr && (swept->isNew || !qcAreSame(swept->start, swept->target)))
@@ -255,7 +304,7 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
             swept->start = swept->target;
         swept->motion = motion;
         swept->carried = swept->start;
-        anyMoved = anyMoved || !qcAreSame(swept->start, swept->target);
+        anyMoved = anyMoved || !qcAreSame(swept->start, swept->target) || swept->Deforms();
     }
     m_isMarked = false;
     return anyMoved;

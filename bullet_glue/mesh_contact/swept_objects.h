@@ -4,21 +4,12 @@
 
 #include "mesh_contact/axis_cache.h"
 #include "mesh_contact/batch_scene.h"
+#include "mesh_contact/swept_mesh.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
 #include <memory>
-
-/// A mesh of an object in the scene of motions.
-struct qcSweptMesh
-{
-    const btCollisionShape* shape;
-    btTransform local; ///< from the mesh's frame to the object's
-    uint64_t revision; ///< of the shape when the mesh was added; see qcMeshRevision
-    qcBodyId id;
-    std::unique_ptr<qcMeshTriangles> triangles;
-};
 
 /// A static plane under a small mesh. Limits move the mesh no deeper into it than it was at the target.
 struct qcSweptFloor
@@ -60,7 +51,9 @@ struct qcSweptObject
     bool isLimited = false;    ///< it does not end this step where Bullet had moved it
     btVector3 lower, upper;    ///< box around the meshes at start and end
     std::vector<qcSweptFloor> floors; ///< of a dynamic body that consists of one small mesh
-    std::vector<qcSweptMesh> meshes;  ///< empty until the object is near another one
+    /// Empty until the object is near another one, or the application moves its triangles.
+    std::vector<qcSweptMesh> meshes;
+    uint64_t revision = 0; ///< of the triangles of an object that Bullet does not move, in the last step; 0: none
 
     /// The transform after this part of the motion; `carried` and target exactly for 0 and 1.
     btTransform At(btScalar part) const;
@@ -71,6 +64,11 @@ struct qcSweptObject
     }
     /// Sets `moves` and the box, from start and end.
     void FindBox();
+    /// True if a mesh of it deforms in the step.
+    bool Deforms() const
+    {
+        return std::any_of(meshes.begin(), meshes.end(), [](const qcSweptMesh& mesh) { return mesh.Deforms(); });
+    }
 };
 
 using qcSweptPair = std::pair<qcSweptObject*, qcSweptObject*>; ///< the lower number first
@@ -111,6 +109,11 @@ class qcSweptObjects
     {
     }
 
+    /// Call it after the triangles of a shape have changed.
+    void InvalidateShape(const btCollisionShape* shape)
+    {
+        m_changes[shape]++;
+    }
     /// Dynamic objects start the step here. Without this call within the step, starts follow from velocities.
     void MarkStarts();
     /// Finds the starts of the step that ends now, then does what ReadTargets does.
@@ -146,6 +149,8 @@ class qcSweptObjects
     Shift FindCommonShift() const;
     qcSweptObject* Add(btCollisionObject* object);
     static void FindStart(btScalar timeStep, qcSweptObject* swept);
+    void ReadTriangles(qcSweptObject* swept, qcScene* scene) const;
+    void EndDeformations(qcScene* scene);
     void RemoveGone(qcScene* scene);
     void FindPlanes();
     void FindFloors(qcSweptObject* swept) const;
@@ -156,8 +161,9 @@ class qcSweptObjects
     qcAxisCache& m_axes;
     std::unordered_map<qcObjectKey, std::unique_ptr<qcSweptObject>, qcObjectKeyHash> m_objects;
     std::vector<qcSweptObject*> m_sorted;
-    std::vector<const btCollisionObject*> m_planes; ///< static ones
-    std::vector<qcSweptObject*> m_byLower;          ///< along the first axis
+    std::unordered_map<const btCollisionShape*, uint64_t> m_changes; ///< calls of InvalidateShape
+    std::vector<const btCollisionObject*> m_planes;                  ///< static ones
+    std::vector<qcSweptObject*> m_byLower;                           ///< along the first axis
     qcIdCounter m_numbers;
     uint64_t m_step = 0;
     bool m_isMarked = false; ///< the starts of the present step

@@ -20,25 +20,22 @@ qcStatus qcSweptScene::AddMeshes(qcSweptObject* swept)
         return mesh.shape == now.shape && qcAreSame(mesh.local, now.transform) &&
                mesh.revision == qcMeshRevision(now.shape);
     };
-    if (std::equal(swept->meshes.begin(), swept->meshes.end(), present.begin(), present.end(), isSame))
-        return qc_statusOk;
-    for (qcSweptMesh& mesh : swept->meshes)
-        qcScene_RemoveBody(m_scene, mesh.id);
-    swept->meshes.clear();
-    for (const qcBatchMesh& now : present)
+    if (!std::equal(swept->meshes.begin(), swept->meshes.end(), present.begin(), present.end(), isSame))
     {
-        qcSweptMesh mesh{now.shape, now.transform, qcMeshRevision(now.shape), {}, nullptr};
-        mesh.triangles.reset(new qcMeshTriangles(now.shape, nullptr));
-        const qcMeshTriangles& all = *mesh.triangles;
-        qcBodyDef def = qcMeshBodyDef(all.points, all.pointCount, all.indices, all.count, swept->start * mesh.local,
-                                      qc_activityMoving);
-        def.owner = swept->number;
-        qcStatus status = qcScene_AddBody(m_scene, &def, &mesh.id);
+        for (qcSweptMesh& mesh : swept->meshes)
+            mesh.RemoveFrom(m_scene);
+        swept->meshes = qcReadSweptMeshes(swept->object->getCollisionShape(), swept->body == nullptr);
+    }
+    for (size_t i = 0; i < swept->meshes.size(); i++)
+    {
+        qcSweptMesh& mesh = swept->meshes[i];
+        if (mesh.id.generation != 0)
+            continue;
+        qcStatus status = mesh.AddTo(m_scene, swept->start, swept->number);
         if (status != qc_statusOk)
             return status;
         m_meshOfSlot.resize(std::max(m_meshOfSlot.size(), size_t(mesh.id.slot) + 1));
-        m_meshOfSlot[mesh.id.slot] = {swept, swept->meshes.size()};
-        swept->meshes.push_back(std::move(mesh));
+        m_meshOfSlot[mesh.id.slot] = {swept, i};
     }
     return qc_statusOk;
 }
@@ -51,8 +48,7 @@ qcStatus qcSweptScene::PlaceMeshes(bool atStart)
         for (const qcSweptObject* swept : {pair.first, pair.second})
             for (const qcSweptMesh& mesh : swept->meshes)
             {
-                qcTransform transform = qcTransformOf((atStart ? swept->start : swept->end) * mesh.local);
-                qcStatus set = qcScene_SetTransform(m_scene, mesh.id, &transform);
+                qcStatus set = mesh.Place(m_scene, atStart ? swept->start : swept->end, atStart);
                 status = status == qc_statusOk ? set : status;
             }
     return status;

@@ -10,10 +10,10 @@ struct Corners
 {
     double a[9], b[9];
 
-    Corners(const qcSweptTriangles& triangles, const btTransform& atA, const btTransform& atB)
+    Corners(const qcSweptTriangles& triangles, const btTransform& atA, const btTransform& atB, bool atStart)
     {
-        triangles.a.CornersAt(atA, a);
-        triangles.b.CornersAt(atB, b);
+        triangles.a.CornersAt(atA, atStart, a);
+        triangles.b.CornersAt(atB, atStart, b);
     }
 
     /// The least translation that parts them; a depth of 0 if they are apart.
@@ -101,22 +101,21 @@ bool AreTooDeep(const qcSweptTriangles& triangles, const Corners& corners)
 
 Corners AtStart(const qcSweptTriangles& triangles)
 {
-    return Corners(triangles, triangles.a.swept->start, triangles.b.swept->start);
+    return Corners(triangles, triangles.a.swept->start, triangles.b.swept->start, true);
 }
 
 Corners AtEnd(const qcSweptTriangles& triangles)
 {
-    return Corners(triangles, triangles.a.swept->end, triangles.b.swept->end);
+    return Corners(triangles, triangles.a.swept->end, triangles.b.swept->end, false);
 }
 } // namespace
 
-void qcSweptTriangle::CornersAt(const btTransform& transform, double corners[9]) const
+void qcSweptTriangle::CornersAt(const btTransform& transform, bool atStart, double corners[9]) const
 {
-    const qcMeshTriangles& triangles = *mesh->triangles;
     const btTransform place = transform * mesh->local;
     for (size_t c = 0; c < 3; c++)
     {
-        btVector3 p = place * triangles.points[triangles.indices[3 * size_t(number) + c]];
+        btVector3 p = place * mesh->PointOf(number, c, atStart);
         for (int axis = 0; axis < 3; axis++)
             corners[3 * c + size_t(axis)] = double(p[axis]);
     }
@@ -126,7 +125,7 @@ qcMotionPlaneSide qcSweptTriangle::PlaneSide() const
 {
     qcMotionPlaneSide side{swept, {}};
     for (size_t c = 0; c < 3; c++)
-        side.corners[c] = mesh->local * mesh->triangles->points[mesh->triangles->indices[3 * size_t(number) + c]];
+        side.corners[c] = mesh->local * mesh->PointOf(number, c, false);
     return side;
 }
 
@@ -170,7 +169,7 @@ btScalar qcSweptTriangles::FindPart(btScalar limit) const
     Corners start = AtStart(*this);
     auto holds = [&](btScalar part)
     {
-        Corners end(*this, a.swept->EndAt(part), b.swept->EndAt(part));
+        Corners end(*this, a.swept->EndAt(part), b.swept->EndAt(part), false);
         return meet ? !AreTooDeep(*this, end) : qcTrianglesStayApart(start.a, end.a, start.b, end.b, nullptr);
     };
     return qcFindLargestPart(limit, holds);

@@ -11,8 +11,8 @@ struct qcSweptTriangle
     const qcSweptMesh* mesh;
     uint32_t number; ///< in the mesh
 
-    /// The corners where the object has this transform.
-    void CornersAt(const btTransform& transform, double corners[9]) const;
+    /// The corners where the object has this transform; `atStart`: before it deforms.
+    void CornersAt(const btTransform& transform, bool atStart, double corners[9]) const;
     qcMotionPlaneSide PlaneSide() const;
 };
 

@@ -1,21 +1,11 @@
 // A mesh of a rigid object near soft bodies, in a scene.
 #include "soft_body/scene/scene_mesh.h"
 
+#include "common/moved_vertices.h"
 #include "common/shape_triangles.h"
 #include "common/weld_vertices.h"
 #include "quickcullide/bullet_positions.h"
 #include "quickcullide/hash.h"
-
-namespace
-{
-std::vector<btVector3> Transformed(const btTransform& transform, const std::vector<btVector3>& vertices)
-{
-    std::vector<btVector3> transformed(vertices);
-    for (btVector3& vertex : transformed)
-        vertex = transform * vertex;
-    return transformed;
-}
-} // namespace
 
 btVector3 qcSceneMesh::DeformationAt(const uint32_t corners[3], const double weights[3]) const
 {
@@ -44,12 +34,7 @@ std::vector<uint32_t> qcSceneMesh::WeldedIndices() const
 void qcSceneMesh::ReadShape(const qcShapeSurface* surface)
 {
     vertices.assign(shape->getVertices(), shape->getVertices() + shape->getVertexCount());
-    box[0] = box[1] = vertices.front();
-    for (const btVector3& vertex : vertices)
-    {
-        box[0].setMin(vertex);
-        box[1].setMax(vertex);
-    }
+    qcFindBox(vertices.data(), vertices.size(), box);
     if (surface == nullptr || surface->sourcesHash != 0)
         trianglesHash = qcXxh64(shape->getIndices(), 3 * size_t(shape->getTriangleCount()) * sizeof(uint32_t),
                                 surface != nullptr ? surface->sourcesHash : 0);
@@ -58,12 +43,9 @@ void qcSceneMesh::ReadShape(const qcShapeSurface* surface)
 void qcSceneMesh::DeformFrom(const qcSceneMesh& last)
 {
     if (trianglesHash == 0 || last.index != index || !(last.local == local) || last.trianglesHash != trianglesHash ||
-        last.vertices.size() != vertices.size())
+        last.vertices.size() != vertices.size() ||
+        !qcHaveMoved(last.vertices.data(), vertices.data(), vertices.size(), last.box))
         return;
-    const btScalar most = (last.box[1] - last.box[0]).length2() / 4;
-    for (size_t i = 0; i < vertices.size(); i++)
-        if (vertices[i].distance2(last.vertices[i]) > most)
-            return;
     startVertices = last.vertices;
     startBox[0] = last.box[0];
     startBox[1] = last.box[1];
@@ -77,7 +59,7 @@ qcStatus qcSceneMesh::AddTo(qcScene* scene, qcActivity activity)
                                   uint32_t(indices.size() / 3), sceneTransform, activity);
     if (Deforms())
     {
-        deformed = Transformed(sceneTransform, vertices);
+        deformed = qcTransformed(sceneTransform, vertices.data(), vertices.size());
         def.positions = deformed.data();
         def.transform = qcTransformOf(btTransform::getIdentity());
         def.deforming = true;
@@ -95,7 +77,8 @@ qcStatus qcSceneMesh::Place(qcScene* scene, const btTransform& transform, bool a
     qcStatus status;
     if (Deforms())
     {
-        const std::vector<btVector3> deformed = Transformed(transform, atStart ? startVertices : vertices);
+        const std::vector<btVector3>& present = atStart ? startVertices : vertices;
+        const std::vector<btVector3> deformed = qcTransformed(transform, present.data(), present.size());
         status = qcScene_SetVertices(scene, id, deformed.data(), qcBulletPositions, sizeof(btVector3));
     }
     else

@@ -64,8 +64,8 @@ struct qcSceneMesh
 
     /// Reads what the mesh keeps of `shape`; `surface`: null for a qcMeshShape.
     void ReadShape(const qcShapeSurface* surface);
-    /// Deforms in the step from what another mesh was, if that had the same triangles and none of their vertices was
-    /// more than half of its size elsewhere: a mesh that is put elsewhere doesn't pass what lies between.
+    /// Deforms in the step from what another mesh was, if that had the same triangles and they have moved from there;
+    /// see qcHaveMoved.
     void DeformFrom(const qcSceneMesh& last);
     /// Adds it to a scene at `sceneTransform`.
     qcStatus AddTo(qcScene* scene, qcActivity activity);

@@ -1,0 +1,29 @@
+// Vertices of a mesh that the application moves between two steps.
+#include "common/moved_vertices.h"
+
+#include <algorithm>
+
+void qcFindBox(const btVector3* vertices, size_t count, btVector3 box[2])
+{
+    box[0] = box[1] = vertices[0];
+    for (size_t i = 1; i < count; i++)
+    {
+        box[0].setMin(vertices[i]);
+        box[1].setMax(vertices[i]);
+    }
+}
+
+bool qcHaveMoved(const btVector3* last, const btVector3* vertices, size_t count, const btVector3 box[2])
+{
+    const btScalar most = (box[1] - box[0]).length2() / 4;
+    return std::equal(vertices, vertices + count, last,
+                      [most](const btVector3& to, const btVector3& from) { return to.distance2(from) <= most; });
+}
+
+std::vector<btVector3> qcTransformed(const btTransform& transform, const btVector3* vertices, size_t count)
+{
+    std::vector<btVector3> transformed(vertices, vertices + count);
+    for (btVector3& vertex : transformed)
+        vertex = transform * vertex;
+    return transformed;
+}

@@ -1,0 +1,84 @@
+// A mesh of an object in the scene of motions.
+#include "mesh_contact/swept_mesh.h"
+
+#include "common/moved_vertices.h"
+#include "mesh_contact/batch_scene.h"
+#include "quickcullide/bullet_positions.h"
+#include "quickcullide/hash.h"
+
+qcSweptMesh::qcSweptMesh(const btCollisionShape* read, const btTransform& place, bool keeps)
+    : shape(read), local(place), revision(qcMeshRevision(read)), triangles(new qcMeshTriangles(read, nullptr))
+{
+    if (!keeps || triangles->pointCount == 0)
+        return;
+    if (qcAsMeshShape(read) == nullptr)
+    {
+        const std::vector<qcTriangleSource>& sources = triangles->sources;
+        trianglesHash = qcXxh64(sources.data(), sources.size() * sizeof(qcTriangleSource), 0);
+        return;
+    }
+    kept.assign(triangles->points, triangles->points + triangles->pointCount);
+    trianglesHash = qcXxh64(triangles->indices, 3 * size_t(triangles->count) * sizeof(uint32_t), 0);
+}
+
+void qcSweptMesh::DeformFrom(const qcSweptMesh& last)
+{
+    const size_t count = triangles->pointCount;
+    if (trianglesHash == 0 || last.trianglesHash != trianglesHash || last.triangles->pointCount != count ||
+        !(last.local == local))
+        return;
+    const btVector3* points = last.kept.empty() ? last.triangles->points : last.kept.data();
+    btVector3 box[2];
+    qcFindBox(points, count, box);
+    if (!qcHaveMoved(points, triangles->points, count, box))
+        return;
+    startPoints.assign(points, points + count);
+    startBox[0] = box[0];
+    startBox[1] = box[1];
+}
+
+qcStatus qcSweptMesh::AddTo(qcScene* scene, const btTransform& object, uint32_t owner)
+{
+    qcBodyDef def = qcMeshBodyDef(triangles->points, triangles->pointCount, triangles->indices, triangles->count,
+                                  object * local, qc_activityMoving);
+    std::vector<btVector3> deformed;
+    if (Deforms())
+    {
+        deformed = qcTransformed(object * local, triangles->points, triangles->pointCount);
+        def.positions = deformed.data();
+        def.transform = qcTransformOf(btTransform::getIdentity());
+        def.deforming = true;
+    }
+    def.owner = owner;
+    return qcScene_AddBody(scene, &def, &id);
+}
+
+void qcSweptMesh::RemoveFrom(qcScene* scene)
+{
+    if (id.generation != 0)
+        qcScene_RemoveBody(scene, id);
+    id = qcBodyId{};
+}
+
+qcStatus qcSweptMesh::Place(qcScene* scene, const btTransform& object, bool atStart) const
+{
+    const btTransform place = object * local;
+    if (Deforms())
+    {
+        const btVector3* points = atStart ? startPoints.data() : triangles->points;
+        const std::vector<btVector3> deformed = qcTransformed(place, points, triangles->pointCount);
+        return qcScene_SetVertices(scene, id, deformed.data(), qcBulletPositions, sizeof(btVector3));
+    }
+    const qcTransform transform = qcTransformOf(place);
+    return qcScene_SetTransform(scene, id, &transform);
+}
+
+std::vector<qcSweptMesh> qcReadSweptMeshes(const btCollisionShape* shape, bool keeps)
+{
+    std::vector<qcBatchMesh> present;
+    qcCollectMeshes(shape, btTransform::getIdentity(), &present);
+    std::vector<qcSweptMesh> meshes;
+    for (const qcBatchMesh& mesh : present)
+        meshes.emplace_back(mesh.shape, mesh.transform, keeps);
+    return meshes;
+}

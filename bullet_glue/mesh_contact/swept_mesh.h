@@ -1,0 +1,47 @@
+// A mesh of an object in the scene of motions. Where the application has moved its triangles, it deforms in the step.
+#ifndef QC_GLUE_MESH_CONTACT_SWEPT_MESH_H
+#define QC_GLUE_MESH_CONTACT_SWEPT_MESH_H
+
+#include "common/shape_triangles.h"
+
+#include <memory>
+
+struct qcSweptMesh
+{
+    const btCollisionShape* shape;
+    btTransform local; ///< from the mesh's frame to the object's
+    uint64_t revision; ///< of the shape when the mesh was read; see qcMeshRevision
+    qcBodyId id{};     ///< generation 0: it is not in the scene
+    std::unique_ptr<qcMeshTriangles> triangles;
+    std::vector<btVector3> kept;        ///< the points of a qcMeshShape, which may be gone in the next step
+    uint64_t trianglesHash = 0;         ///< of a qcMeshShape's indices, or of the numbers in Bullet; 0: it can't deform
+    std::vector<btVector3> startPoints; ///< at the start of the step; empty: the mesh does not deform
+    btVector3 startBox[2];              ///< around these: lower and upper corner
+
+    /// `keeps`: it may deform in a later step.
+    qcSweptMesh(const btCollisionShape* read, const btTransform& place, bool keeps);
+
+    bool Deforms() const
+    {
+        return !startPoints.empty();
+    }
+    /// A corner of a triangle in the mesh's frame, at the start or at the end of the step.
+    const btVector3& PointOf(uint32_t triangle, size_t corner, bool atStart) const
+    {
+        const uint32_t index = triangles->indices[3 * size_t(triangle) + corner];
+        return atStart && Deforms() ? startPoints[index] : triangles->points[index];
+    }
+    /// Deforms in the step from what another mesh was, if that had the same triangles and they have moved from there;
+    /// see qcHaveMoved.
+    void DeformFrom(const qcSweptMesh& last);
+
+    /// `object`: the transform of its object; `owner`: see qcBodyDef.
+    qcStatus AddTo(qcScene* scene, const btTransform& object, uint32_t owner);
+    void RemoveFrom(qcScene* scene);
+    qcStatus Place(qcScene* scene, const btTransform& object, bool atStart) const;
+};
+
+/// Reads the meshes of a shape.
+std::vector<qcSweptMesh> qcReadSweptMeshes(const btCollisionShape* shape, bool keeps);
+
+#endif
