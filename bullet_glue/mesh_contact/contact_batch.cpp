@@ -280,6 +280,10 @@ void qcMeshBatch::Run()
             return;
     }
     Note(m_scene.Gather(m_validity.GetDue()));
+    for (const qcBatchPair& pair : m_validity.GetDue())
+        for (const btCollisionObject* object : {pair.object0, pair.object1})
+            if (object->isStaticOrKinematicObject())
+                m_limiter.KeepTriangles(object);
     NumberSlots();
     statistics.bodies = m_scene.GetBodyCount();
     ReadPairs();

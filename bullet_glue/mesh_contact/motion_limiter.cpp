@@ -332,6 +332,15 @@ void qcMotionLimiter::FindPairs(bool isFirst)
                      [](const qcSweptPair& pair) { return pair.first->isUnmoved && pair.second->isUnmoved; });
 }
 
+/// Wakes the bodies near meshes that deform: Bullet does so next to kinematic bodies only.
+void qcMotionLimiter::WakeNearDeforming() const
+{
+    for (const qcSweptPair& pair : m_pairs)
+        for (const auto& [swept, other] : {pair, qcSweptPair(pair.second, pair.first)})
+            if (swept->body != nullptr && other->Deforms())
+                swept->body->activate();
+}
+
 /// Finds the object in the scene of contact, once a step.
 void qcMotionLimiter::LookUp(qcSweptObject* swept)
 {
@@ -339,9 +348,6 @@ void qcMotionLimiter::LookUp(qcSweptObject* swept)
         return;
     swept->isLookedUp = true;
     swept->known = swept->Deforms() ? nullptr : m_gaps.FindCurrent(swept->object);
-    // The application may move its triangles before the next step.
-    if (swept->body == nullptr && swept->meshes.empty())
-        swept->meshes = qcReadSweptMeshes(swept->object->getCollisionShape(), true);
 }
 
 /// Leaves out the pairs of which a function of their index is true. Calls for different pairs may run at once, on
@@ -491,7 +497,9 @@ qcStatus qcMotionLimiter::Certify()
     for (int round = 0;; round++)
     {
         FindPairs(round == 0);
-        if (round > 0)
+        if (round == 0)
+            WakeNearDeforming();
+        else
             SkipSettledPairs(reported);
         SkipProvenPairs();
         SortPairs();

@@ -55,6 +55,11 @@ class qcMotionLimiter
     /// stay at their starts. Appends the objects that it moves to `moved`.
     void LimitAgain(btScalar timeStep, const std::vector<const btCollisionObject*>& held,
                     std::vector<const btCollisionObject*>* moved, qcMeshContactStatistics* statistics);
+    /// See qcSweptObjects.
+    void KeepTriangles(const btCollisionObject* object)
+    {
+        m_objects.KeepTriangles(object);
+    }
     /// Call it after the triangles of a shape have changed.
     void InvalidateShape(const btCollisionShape* shape);
 
@@ -94,6 +99,7 @@ class qcMotionLimiter
     std::map<Numbers, Block> FindBlocks() const;
     void Cut(int round);
     void FindPairs(bool isFirst);
+    void WakeNearDeforming() const;
     void RemovePairs(size_t block, const std::function<bool(size_t)>& isProven);
     void SkipProvenPairs();
     void LookUp(qcSweptObject* swept);

@@ -104,13 +104,13 @@ void qcSweptObjects::FindStart(btScalar timeStep, qcSweptObject* swept)
 }
 
 /// The entry of an object, which is added if it is new: it has not moved yet.
-qcSweptObject* qcSweptObjects::Add(btCollisionObject* object)
+qcSweptObject* qcSweptObjects::Add(const btCollisionObject* object)
 {
     std::unique_ptr<qcSweptObject>& entry = m_objects[qcObjectKey(object)];
     if (entry == nullptr)
     {
         entry.reset(new qcSweptObject);
-        entry->object = object;
+        entry->object = const_cast<btCollisionObject*>(object);
         entry->number = m_numbers.Take(
             [this](auto add)
             {
@@ -134,6 +134,13 @@ void qcSweptObjects::MarkStarts()
             swept->next = objects[i]->getWorldTransform();
             swept->wasActive = objects[i]->isActive();
         }
+}
+
+void qcSweptObjects::KeepTriangles(const btCollisionObject* object)
+{
+    qcSweptObject* swept = Add(object);
+    if (swept->meshes.empty())
+        swept->meshes = qcReadSweptMeshes(object->getCollisionShape(), true);
 }
 
 /// Notices that the application has moved the triangles of an object that Bullet does not move: its meshes then deform

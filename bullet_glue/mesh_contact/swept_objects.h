@@ -51,7 +51,7 @@ struct qcSweptObject
     bool isLimited = false;    ///< it does not end this step where Bullet had moved it
     btVector3 lower, upper;    ///< box around the meshes at start and end
     std::vector<qcSweptFloor> floors; ///< of a dynamic body that consists of one small mesh
-    /// Empty until the object is near another one, or the application moves its triangles.
+    /// Empty until the object is near another one, has contact, or its triangles are moved by the application.
     std::vector<qcSweptMesh> meshes;
     uint64_t revision = 0; ///< of the triangles of an object that Bullet does not move, in the last step; 0: none
 
@@ -109,6 +109,8 @@ class qcSweptObjects
     {
     }
 
+    /// Keeps the triangles of an object that Bullet does not move, since the application may move them.
+    void KeepTriangles(const btCollisionObject* object);
     /// Call it after the triangles of a shape have changed.
     void InvalidateShape(const btCollisionShape* shape)
     {
@@ -147,7 +149,7 @@ class qcSweptObjects
     };
 
     Shift FindCommonShift() const;
-    qcSweptObject* Add(btCollisionObject* object);
+    qcSweptObject* Add(const btCollisionObject* object);
     static void FindStart(btScalar timeStep, qcSweptObject* swept);
     void ReadTriangles(qcSweptObject* swept, qcScene* scene) const;
     void EndDeformations(qcScene* scene);

@@ -213,9 +213,11 @@ struct qcMeshContactStatistics
 /// those that penetrate are exempt. After Bullet has integrated the transforms, in an action of the world, bodies whose
 /// motions are not proven apart are pushed apart or cut back. Static and kinematic objects are not; `unproven` counts
 /// pairs that they press together. A kinematic body moves to where the application sets its transform, and takes along
-/// what is between; one that is put elsewhere needs setInterpolationWorldTransform, too. Convex shapes have Bullet's
-/// own continuous collision detection (setCcdMotionThreshold). On a btStaticPlaneShape contact alone holds meshes:
-/// those that land fast, spin fast or lie under a heap may sink in before it pushes them out.
+/// what is between; one that is put elsewhere needs setInterpolationWorldTransform, too. So do the triangles of a static
+/// or kinematic mesh that the application moves, by updateShape or by another qcMeshShape of the same triangles; one
+/// with a vertex that is further away than half its diagonal is put elsewhere. Convex shapes have Bullet's own continuous
+/// collision detection (setCcdMotionThreshold). On a btStaticPlaneShape contact alone holds meshes: those that land
+/// fast, spin fast or lie under a heap may sink in before it pushes them out.
 ///
 /// Rest: as long as no two points of a pair have moved against each other by 3 % of both thresholds, its contact points
 /// move with the bodies and nothing is searched.
@@ -250,8 +252,9 @@ class QC_API qcMeshContact
 
     /// Reports that the triangles of one of Bullet's shapes (static triangle mesh, terrain, btGImpactMeshShape; not a
     /// compound of such) have moved: call it where Bullet requires refitTree or postUpdate. They are copied when a pair
-    /// first needs them, and again only after this call. Scaling is detected without it. They start the next step where
-    /// they are then: what they have passed isn't held.
+    /// first needs them, and again only after this call. Scaling is detected without it. In the next step each vertex
+    /// of a static or kinematic object moves from where it was: what lies between goes with it. O(triangles) in that
+    /// step.
     void updateShape(const btCollisionShape* shape);
 
     /// Threads of queries, and of contact and limits of many small meshes; 0, the default: one per core.
