@@ -7,6 +7,7 @@
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+#include <LinearMath/btAabbUtil2.h>
 #include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
