@@ -105,6 +105,7 @@ void qcSoftZones::CollectMembers()
     m_moved.clear();
     m_motions.clear();
     m_zones.clear();
+    m_carriers.clear();
 }
 
 /// Appends the objects that are new in the scene.
@@ -141,10 +142,29 @@ void qcSoftZones::AppendMembersOf(uint32_t slot, uint32_t triangle, std::vector<
         return;
     }
     qcSceneRigid* rigid = nullptr;
-    m_scene.meshes.Find(slot, &rigid);
+    // A mesh that deforms moves by no rigid motion, and unites no zones: see Carry.
+    if (m_scene.meshes.Find(slot, &rigid)->Deforms())
+        return;
     auto isIt = [rigid](const Member& member) { return member.rigid == rigid; };
     auto member = std::find_if(m_members.begin() + m_firstObject, m_members.end(), isIt);
     members->push_back(uint32_t(member - m_members.begin()));
+}
+
+/// Has the zone of a member go with a triangle of a mesh that deforms.
+void qcSoftZones::Carry(uint32_t slot, uint32_t triangle, uint32_t member)
+{
+    qcSceneRigid* rigid = nullptr;
+    const qcSceneMesh* mesh = m_scene.Find(slot) == nullptr ? m_scene.meshes.Find(slot, &rigid) : nullptr;
+    if (mesh == nullptr || !mesh->Deforms())
+        return;
+    const btTransform& now = rigid->object->getWorldTransform();
+    btVector3 motion(0, 0, 0);
+    for (size_t c = 0; c < 3; c++)
+    {
+        const uint32_t vertex = mesh->shape->getIndices()[3 * size_t(triangle) + c];
+        motion += (now * (mesh->local * mesh->vertices[vertex]) - rigid->StartOf(*mesh, vertex)) / 3;
+    }
+    m_carriers.push_back({member, motion});
 }
 
 bool qcSoftZones::Add(const qcPair& pair)
@@ -155,6 +175,8 @@ bool qcSoftZones::Add(const qcPair& pair)
     std::vector<uint32_t> members;
     AppendMembersOf(pair.bodyA, pair.triangleA, &members);
     AppendMembersOf(pair.bodyB, pair.triangleB, &members);
+    Carry(pair.bodyA, pair.triangleA, members[0]);
+    Carry(pair.bodyB, pair.triangleB, members[0]);
     const uint32_t last = m_zones[members[0]];
     bool movedAsOne = last != s_none;
     uint32_t root = m_sets.Find(members[0]);
@@ -219,8 +241,12 @@ void qcSoftZones::MoveZone(const std::vector<uint32_t>& zone)
     // What touches a kinematic mesh would be run through if it stayed while the mesh moves on.
     auto isCarrier = [this](uint32_t index)
     { return m_members[index].rigid != nullptr && !m_members[index].rigid->IsFree(); };
-    bool moves = state.min != Motion::None || std::any_of(zone.begin(), zone.end(), isCarrier);
-    btTransform motion = moves ? FindMotion(zone, state.min == Motion::Rigid) : btTransform::getIdentity();
+    const Carried& carried = m_carried[root];
+    btTransform motion = btTransform::getIdentity();
+    if (carried.count > 0)
+        motion = Translation(carried.sum / btScalar(carried.count));
+    else if (state.min != Motion::None || std::any_of(zone.begin(), zone.end(), isCarrier))
+        motion = FindMotion(zone, state.min == Motion::Rigid);
     m_motions[root] = motion;
     bool stays = motion == btTransform::getIdentity();
     for (uint32_t index : zone)
@@ -244,6 +270,13 @@ void qcSoftZones::Move()
     for (uint32_t i = 0; i < m_members.size(); i++)
         if (m_isInZone[i])
             zones[m_zones[i] = m_sets.Find(i)].push_back(i);
+    m_carried.assign(m_members.size(), Carried());
+    for (const Carrier& carrier : m_carriers)
+    {
+        Carried& carried = m_carried[m_sets.Find(carrier.member)];
+        carried.sum += carrier.motion;
+        carried.count++;
+    }
     for (const auto& zone : zones)
         MoveZone(zone.second);
 }

@@ -1,8 +1,8 @@
 // Zones: nodes and meshes that separating planes could not keep apart, which move through the step as one rigid body.
 //
-// A zone's motion has the linear and angular momentum of its members' own motions; a fixed member determines it alone.
-// A pair in a zone that is still not proven apart takes the zone's rotation, then all its motion. Proof:
-// plugin/docs/proofs/rigid_zones.md.
+// A zone's motion has the linear and angular momentum of its members' own motions; a fixed member determines it alone,
+// and where a mesh deforms, the mean motion of its triangles in the zone. A pair in a zone that is still not proven
+// apart takes the zone's rotation, then all its motion. Proof: plugin/docs/proofs/rigid_zones.md.
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_RIGID_ZONES_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_RIGID_ZONES_H
 
@@ -70,11 +70,26 @@ class qcSoftZones
             target; ///< of an object: transform at the end of its own motion; of a node: position without its shift
     };
 
+    /// A triangle of a mesh that deforms, in an unproven pair.
+    struct Carrier
+    {
+        uint32_t member;  ///< of the zone that goes with it
+        btVector3 motion; ///< mean of its corners
+    };
+
+    /// The carriers of a zone.
+    struct Carried
+    {
+        btVector3 sum{0, 0, 0}; ///< of their motions
+        int count = 0;
+    };
+
     static constexpr uint32_t s_none = UINT32_MAX;
 
     void CollectMembers();
     void CollectObjects();
     uint32_t ZoneOf(const qcPair& pair) const;
+    void Carry(uint32_t slot, uint32_t triangle, uint32_t member);
     void AppendMembersOf(uint32_t slot, uint32_t triangle, std::vector<uint32_t>* members) const;
     btTransform FindMotion(const std::vector<uint32_t>& zone, bool rotates) const;
     void MoveZone(const std::vector<uint32_t>& zone);
@@ -88,8 +103,10 @@ class qcSoftZones
     std::vector<State> m_states;        ///< by representative
     std::vector<Motion> m_moved;        ///< by representative in the last Move
     std::vector<btTransform> m_motions; ///< likewise
-    std::vector<uint32_t> m_firstNode;  ///< member index, by soft body
-    uint32_t m_firstObject = 0;         ///< member index
+    std::vector<Carrier> m_carriers;
+    std::vector<Carried> m_carried;    ///< by representative in the last Move
+    std::vector<uint32_t> m_firstNode; ///< member index, by soft body
+    uint32_t m_firstObject = 0;        ///< member index
 };
 
 #endif
