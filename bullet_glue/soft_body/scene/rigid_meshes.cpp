@@ -52,16 +52,10 @@ bool MayHaveMeshes(const btCollisionObject* object, bool withSurfaces)
     return shape->isCompound() || qcAsMeshShape(shape) != nullptr || (withSurfaces && qcHasSurface(shape));
 }
 
-qcStatus AddMeshes(qcScene* scene, qcSceneRigid* rigid)
+qcStatus AddMesh(qcScene* scene, const qcSceneRigid& rigid, qcSceneMesh* mesh)
 {
-    for (qcSceneMesh& mesh : rigid->meshes)
-    {
-        mesh.sceneTransform = rigid->object->getWorldTransform() * mesh.local;
-        qcStatus status = mesh.AddTo(scene, rigid->activity);
-        if (status != qc_statusOk)
-            return status;
-    }
-    return qc_statusOk;
+    mesh->sceneTransform = rigid.object->getWorldTransform() * mesh->local;
+    return mesh->AddTo(scene, rigid.activity);
 }
 
 void RemoveMeshes(qcScene* scene, const qcSceneRigid& rigid)
@@ -122,11 +116,16 @@ btTransform qcSceneRigid::MotionTo(const btTransform& transform) const
     return transform == start ? btTransform::getIdentity() : transform * start.inverse();
 }
 
-void qcSceneRigid::DeformFrom(const qcSceneRigid& last)
+void qcSceneRigid::DeformFrom(qcSceneRigid* last)
 {
     for (qcSceneMesh& mesh : meshes)
-        for (const qcSceneMesh& lastMesh : last.meshes)
-            mesh.DeformFrom(lastMesh);
+        for (qcSceneMesh& lastMesh : last->meshes)
+            mesh.DeformFrom(&lastMesh);
+}
+
+bool qcSceneRigid::Rest()
+{
+    return std::all_of(meshes.begin(), meshes.end(), [](qcSceneMesh& mesh) { return !mesh.Deforms() || mesh.Rest(); });
 }
 
 void qcSceneRigid::FindMotionBox(const qcSceneMesh& mesh, btVector3 box[2]) const
@@ -201,7 +200,7 @@ void qcSoftBodyMeshes::MergeOverlaps()
 }
 
 /// The object as it was in the previous step; null: not known.
-const qcSceneRigid* qcSoftBodyMeshes::FindLast(const btCollisionObject* object) const
+qcSceneRigid* qcSoftBodyMeshes::FindLast(const btCollisionObject* object) const
 {
     for (const auto* known : {&m_rigids, &m_away})
         for (const std::unique_ptr<qcSceneRigid>& last : *known)
@@ -393,20 +392,20 @@ std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
             continue;
         auto isSame = [&](const std::unique_ptr<qcSceneRigid>& other)
         {
-            return other && other->object == rigid->object && other->uniqueId == rigid->uniqueId && !other->Deforms() &&
+            return other && other->object == rigid->object && other->uniqueId == rigid->uniqueId &&
                    AreSame(other->shapes, rigid->shapes) && Cover(*other, overlap);
         };
         auto found = std::find_if(m_rigids.begin(), m_rigids.end(), isSame);
         bool isReshaped = false;
-        if (found != m_rigids.end())
+        if (found != m_rigids.end() && (*found)->Rest())
             rigid = std::move(*found);
         else
         {
             FindMeshes(rigid.get(), overlap);
-            const qcSceneRigid* last = FindLast(rigid->object);
+            qcSceneRigid* last = FindLast(rigid->object);
             if (last != nullptr && !AreSame(last->shapes, rigid->shapes))
             {
-                rigid->DeformFrom(*last);
+                rigid->DeformFrom(last);
                 isReshaped = !rigid->Deforms() && AreReshaped(last->shapes, rigid->shapes);
             }
         }
@@ -425,11 +424,11 @@ qcStatus qcSoftBodyMeshes::Track(qcScene* scene, std::unique_ptr<qcSceneRigid> r
     qcActivity previous = rigid->activity;
     ReadState(rigid.get(), m_starts.StartOf(rigid->object));
     qcStatus status = qc_statusOk;
-    if (rigid->meshes[0].id.generation == 0)
-        status = AddMeshes(scene, rigid.get());
-    else if (rigid->activity != previous)
-        for (const qcSceneMesh& mesh : rigid->meshes)
-            status = std::max(status, qcScene_SetActivity(scene, mesh.id, rigid->activity));
+    for (qcSceneMesh& mesh : rigid->meshes)
+        if (status == qc_statusOk && mesh.id.generation == 0)
+            status = AddMesh(scene, *rigid, &mesh);
+        else if (status == qc_statusOk && rigid->activity != previous)
+            status = qcScene_SetActivity(scene, mesh.id, rigid->activity);
     if (status == qc_statusOk)
         m_rigids.push_back(std::move(rigid));
     else

@@ -46,7 +46,9 @@ struct qcSceneRigid
     /// True if it can take any rigid motion: it is dynamic, and no factor or infinite inertia restricts it.
     bool IsFree() const;
     /// Has meshes deform from those of the previous step: see qcSceneMesh::DeformFrom.
-    void DeformFrom(const qcSceneRigid& last);
+    void DeformFrom(qcSceneRigid* last);
+    /// See qcSceneMesh::Rest; true if none of its meshes deforms.
+    bool Rest();
     /// True if one of its meshes deforms in the step.
     bool Deforms() const
     {
@@ -138,7 +140,7 @@ class qcSoftBodyMeshes
     bool IsReshaped(const btCollisionObject* object, btVector3 box[2]) const;
     void AddReshaped();
     void KeepReshaped();
-    const qcSceneRigid* FindLast(const btCollisionObject* object) const;
+    qcSceneRigid* FindLast(const btCollisionObject* object) const;
     std::vector<qcSceneShape> ShapesOf(const btCollisionObject* object, bool withSurfaces) const;
     void FindBox(const Overlap& overlap, const btTransform& local, btVector3 box[2]) const;
     bool Cover(const qcSceneRigid& rigid, const Overlap& overlap) const;

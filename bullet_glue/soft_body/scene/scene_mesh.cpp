@@ -2,10 +2,18 @@
 #include "soft_body/scene/scene_mesh.h"
 
 #include "common/moved_vertices.h"
+#include "common/object_key.h"
 #include "common/shape_triangles.h"
 #include "common/weld_vertices.h"
 #include "quickcullide/bullet_positions.h"
 #include "quickcullide/hash.h"
+
+namespace
+{
+// Steps for which a mesh stays a deforming body after its vertices have moved: applications may move them in every
+// second or third step.
+constexpr int s_restingSteps = 30;
+} // namespace
 
 btVector3 qcSceneMesh::DeformationAt(const uint32_t corners[3], const double weights[3]) const
 {
@@ -17,18 +25,22 @@ btVector3 qcSceneMesh::DeformationAt(const uint32_t corners[3], const double wei
 
 std::vector<uint32_t> qcSceneMesh::WeldedIndices() const
 {
-    std::vector<uint32_t> first = qcFirstAtPosition(vertices.data(), uint32_t(vertices.size()));
-    if (Deforms())
-    {
-        const std::vector<uint32_t> atStart = qcFirstAtPosition(startVertices.data(), uint32_t(startVertices.size()));
-        for (uint32_t i = 0; i < first.size(); i++)
-            if (atStart[i] != first[i])
-                first[i] = i;
-    }
     std::vector<uint32_t> indices(shape->getIndices(), shape->getIndices() + 3 * size_t(shape->getTriangleCount()));
     for (uint32_t& corner : indices)
-        corner = first[corner];
+        corner = firstVertices[corner];
     return indices;
+}
+
+/// Finds the vertices that are made one.
+void qcSceneMesh::Weld()
+{
+    firstVertices = qcFirstAtPosition(vertices.data(), uint32_t(vertices.size()));
+    if (!Deforms())
+        return;
+    const std::vector<uint32_t> atStart = qcFirstAtPosition(startVertices.data(), uint32_t(startVertices.size()));
+    for (uint32_t i = 0; i < firstVertices.size(); i++)
+        if (atStart[i] != firstVertices[i])
+            firstVertices[i] = i;
 }
 
 void qcSceneMesh::ReadShape(const qcShapeSurface* surface)
@@ -40,19 +52,41 @@ void qcSceneMesh::ReadShape(const qcShapeSurface* surface)
                                 surface != nullptr ? surface->sourcesHash : 0);
 }
 
-void qcSceneMesh::DeformFrom(const qcSceneMesh& last)
+void qcSceneMesh::DeformFrom(qcSceneMesh* last)
 {
-    if (trianglesHash == 0 || last.index != index || !(last.local == local) || last.trianglesHash != trianglesHash ||
-        last.vertices.size() != vertices.size() ||
-        !qcHaveMoved(last.vertices.data(), vertices.data(), vertices.size(), last.box))
+    if (trianglesHash == 0 || last->index != index || !(last->local == local) || last->trianglesHash != trianglesHash ||
+        last->vertices.size() != vertices.size() ||
+        !qcHaveMoved(last->vertices.data(), vertices.data(), vertices.size(), last->box))
         return;
-    startVertices = last.vertices;
-    startBox[0] = last.box[0];
-    startBox[1] = last.box[1];
+    startVertices.swap(last->vertices);
+    startBox[0] = last->box[0];
+    startBox[1] = last->box[1];
+    // The body of the previous step serves where the same vertices are one.
+    bool isSame = last->Deforms();
+    for (uint32_t i = 0; isSame && i < vertices.size(); i++)
+        isSame = qcAreSame(vertices[i], vertices[last->firstVertices[i]]);
+    if (!isSame)
+        return;
+    std::swap(id, last->id);
+    firstVertices.swap(last->firstVertices);
+    sceneTransform = last->sceneTransform;
+    isAtStart = true;
+}
+
+bool qcSceneMesh::Rest()
+{
+    if (restingSteps == 0)
+    {
+        startVertices = vertices;
+        startBox[0] = box[0];
+        startBox[1] = box[1];
+    }
+    return ++restingSteps <= s_restingSteps;
 }
 
 qcStatus qcSceneMesh::AddTo(qcScene* scene, qcActivity activity)
 {
+    Weld();
     const std::vector<uint32_t> indices = WeldedIndices();
     std::vector<btVector3> deformed;
     qcBodyDef def = qcMeshBodyDef(vertices.data(), uint32_t(vertices.size()), indices.data(),
@@ -71,7 +105,7 @@ qcStatus qcSceneMesh::AddTo(qcScene* scene, qcActivity activity)
 
 qcStatus qcSceneMesh::Place(qcScene* scene, const btTransform& transform, bool atStart)
 {
-    atStart = atStart && Deforms();
+    atStart = atStart && Deforms() && restingSteps == 0;
     if (sceneTransform == transform && isAtStart == atStart)
         return qc_statusOk;
     qcStatus status;

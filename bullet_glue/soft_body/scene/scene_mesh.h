@@ -42,10 +42,13 @@ struct qcSceneMesh
     btVector3 box[2];           ///< around them: lower and upper corner
     uint64_t trianglesHash = 0; ///< of its indices and the triangles' numbers in Bullet; 0: the mesh can't deform
 
-    //  A mesh whose vertices the application has moved deforms in the step, and is a deforming body of the scene.
-    std::vector<btVector3> startVertices; ///< at the start of the step, in the shape's frame; empty: it doesn't deform
+    //  A mesh whose vertices the application has moved is a deforming body of the scene, until they have rested for a
+    //  while.
+    std::vector<btVector3> startVertices; ///< at the start of the step, in the shape's frame; empty: a rigid body
     btVector3 startBox[2];                ///< around them
-    bool isAtStart = false;               ///< in the scene: it has these
+    std::vector<uint32_t> firstVertices;  ///< for each vertex the one that takes its place in the scene
+    int restingSteps = 0;                 ///< since its vertices have moved
+    bool isAtStart = false;               ///< in the scene: it has its vertices of the start
 
     bool Deforms() const
     {
@@ -61,12 +64,14 @@ struct qcSceneMesh
     /// Its indices with vertices at the same position, at the start and at the end of the step, made one: contacts at
     /// corners and edges that triangles share are found once.
     std::vector<uint32_t> WeldedIndices() const;
-
     /// Reads what the mesh keeps of `shape`; `surface`: null for a qcMeshShape.
     void ReadShape(const qcShapeSurface* surface);
     /// Deforms in the step from what another mesh was, if that had the same triangles and they have moved from there;
     /// see qcHaveMoved.
-    void DeformFrom(const qcSceneMesh& last);
+    void DeformFrom(qcSceneMesh* last);
+    /// A mesh that deforms begins a step in which its vertices rest. False: it has rested for so long that it should be
+    /// a rigid body again.
+    bool Rest();
     /// Adds it to a scene at `sceneTransform`.
     qcStatus AddTo(qcScene* scene, qcActivity activity);
     /// Sets `sceneTransform`, and its vertices if it deforms.
@@ -80,6 +85,9 @@ struct qcSceneMesh
         btScalar margin = shape->getMargin();
         return thickness / 2 + (isSurface ? std::min(margin, thickness) : margin);
     }
+
+  private:
+    void Weld();
 };
 
 #endif
