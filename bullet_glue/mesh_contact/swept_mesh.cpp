@@ -21,13 +21,13 @@ qcSweptMesh::qcSweptMesh(const btCollisionShape* read, const btTransform& place,
     trianglesHash = qcXxh64(triangles->indices, 3 * size_t(triangles->count) * sizeof(uint32_t), 0);
 }
 
-void qcSweptMesh::DeformFrom(const qcSweptMesh& last)
+void qcSweptMesh::DeformFrom(qcSweptMesh* last)
 {
     const size_t count = triangles->pointCount;
-    if (trianglesHash == 0 || last.trianglesHash != trianglesHash || last.triangles->pointCount != count ||
-        !(last.local == local))
+    if (trianglesHash == 0 || last->trianglesHash != trianglesHash || last->triangles->pointCount != count ||
+        !(last->local == local))
         return;
-    const btVector3* points = last.kept.empty() ? last.triangles->points : last.kept.data();
+    const btVector3* points = last->kept.empty() ? last->triangles->points : last->kept.data();
     btVector3 box[2];
     qcFindBox(points, count, box);
     if (!qcHaveMoved(points, triangles->points, count, box))
@@ -35,6 +35,11 @@ void qcSweptMesh::DeformFrom(const qcSweptMesh& last)
     startPoints.assign(points, points + count);
     startBox[0] = box[0];
     startBox[1] = box[1];
+    if (last->isDeforming)
+    {
+        std::swap(id, last->id);
+        isDeforming = true;
+    }
 }
 
 qcStatus qcSweptMesh::AddTo(qcScene* scene, const btTransform& object, uint32_t owner)
@@ -42,7 +47,8 @@ qcStatus qcSweptMesh::AddTo(qcScene* scene, const btTransform& object, uint32_t 
     qcBodyDef def = qcMeshBodyDef(triangles->points, triangles->pointCount, triangles->indices, triangles->count,
                                   object * local, qc_activityMoving);
     std::vector<btVector3> deformed;
-    if (Deforms())
+    isDeforming = Deforms();
+    if (isDeforming)
     {
         deformed = qcTransformed(object * local, triangles->points, triangles->pointCount);
         def.positions = deformed.data();
@@ -63,9 +69,9 @@ void qcSweptMesh::RemoveFrom(qcScene* scene)
 qcStatus qcSweptMesh::Place(qcScene* scene, const btTransform& object, bool atStart) const
 {
     const btTransform place = object * local;
-    if (Deforms())
+    if (isDeforming)
     {
-        const btVector3* points = atStart ? startPoints.data() : triangles->points;
+        const btVector3* points = atStart && Deforms() ? startPoints.data() : triangles->points;
         const std::vector<btVector3> deformed = qcTransformed(place, points, triangles->pointCount);
         return qcScene_SetVertices(scene, id, deformed.data(), qcBulletPositions, sizeof(btVector3));
     }

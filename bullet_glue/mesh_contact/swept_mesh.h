@@ -12,6 +12,8 @@ struct qcSweptMesh
     btTransform local; ///< from the mesh's frame to the object's
     uint64_t revision; ///< of the shape when the mesh was read; see qcMeshRevision
     qcBodyId id{};     ///< generation 0: it is not in the scene
+    /// In the scene it is a deforming body, as once its triangles have been moved it remains.
+    bool isDeforming = false;
     std::unique_ptr<qcMeshTriangles> triangles;
     std::vector<btVector3> kept;        ///< the points of a qcMeshShape, which may be gone in the next step
     uint64_t trianglesHash = 0;         ///< of a qcMeshShape's indices, or of the numbers in Bullet; 0: it can't deform
@@ -33,7 +35,8 @@ struct qcSweptMesh
     }
     /// Deforms in the step from what another mesh was, if that had the same triangles and they have moved from there;
     /// see qcHaveMoved.
-    void DeformFrom(const qcSweptMesh& last);
+    /// It takes over the other's body if that is a deforming one.
+    void DeformFrom(qcSweptMesh* last);
 
     /// `object`: the transform of its object; `owner`: see qcBodyDef.
     qcStatus AddTo(qcScene* scene, const btTransform& object, uint32_t owner);

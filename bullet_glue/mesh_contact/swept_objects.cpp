@@ -165,21 +165,17 @@ void qcSweptObjects::ReadTriangles(qcSweptObject* swept, qcScene* scene) const
     std::vector<qcSweptMesh> last = qcReadSweptMeshes(swept->object->getCollisionShape(), true);
     last.swap(swept->meshes);
     for (size_t i = 0; i < std::min(last.size(), swept->meshes.size()); i++)
-        swept->meshes[i].DeformFrom(last[i]);
+        swept->meshes[i].DeformFrom(&last[i]);
     for (qcSweptMesh& mesh : last)
         mesh.RemoveFrom(scene);
 }
 
-/// The meshes that have deformed in the previous step are rigid again.
-void qcSweptObjects::EndDeformations(qcScene* scene)
+/// The meshes that have deformed in the previous step are where they are.
+void qcSweptObjects::EndDeformations() const
 {
     for (qcSweptObject* swept : m_sorted)
         for (qcSweptMesh& mesh : swept->meshes)
-            if (mesh.Deforms())
-            {
-                mesh.startPoints.clear();
-                mesh.RemoveFrom(scene);
-            }
+            mesh.startPoints.clear();
 }
 
 void qcSweptObjects::RemoveGone(qcScene* scene)
@@ -296,7 +292,7 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
         swept->lost = 0;
         swept->isLimited = false;
     }
-    EndDeformations(scene);
+    EndDeformations();
     ReadTargets(scene);
     for (qcSweptObject* swept : m_sorted)
         if (!m_isMarked && swept->body != nullptr && (swept->isNew || !qcAreSame(swept->start, swept->target)))

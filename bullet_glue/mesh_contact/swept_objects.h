@@ -152,7 +152,7 @@ class qcSweptObjects
     qcSweptObject* Add(const btCollisionObject* object);
     static void FindStart(btScalar timeStep, qcSweptObject* swept);
     void ReadTriangles(qcSweptObject* swept, qcScene* scene) const;
-    void EndDeformations(qcScene* scene);
+    void EndDeformations() const;
     void RemoveGone(qcScene* scene);
     void FindPlanes();
     void FindFloors(qcSweptObject* swept) const;
