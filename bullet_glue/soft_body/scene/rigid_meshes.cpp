@@ -116,11 +116,18 @@ btTransform qcSceneRigid::MotionTo(const btTransform& transform) const
     return transform == start ? btTransform::getIdentity() : transform * start.inverse();
 }
 
-void qcSceneRigid::DeformFrom(qcSceneRigid* last)
+void qcSceneRigid::DeformFrom(const qcSceneRigid& last)
+{
+    for (qcSceneMesh& mesh : meshes)
+        for (const qcSceneMesh& lastMesh : last.meshes)
+            mesh.DeformFrom(lastMesh);
+}
+
+void qcSceneRigid::TakeBodies(qcSceneRigid* last)
 {
     for (qcSceneMesh& mesh : meshes)
         for (qcSceneMesh& lastMesh : last->meshes)
-            mesh.DeformFrom(&lastMesh);
+            mesh.TakeBody(&lastMesh);
 }
 
 bool qcSceneRigid::Rest()
@@ -259,7 +266,8 @@ void qcSoftBodyMeshes::AddReshaped()
         MergeOverlaps();
 }
 
-/// Keeps the meshes of objects whose triangles the application moves and that are near no soft body.
+/// Keeps the meshes of objects whose triangles the application moves and that are near no soft body. Contacts may move
+/// one there: see Extend.
 void qcSoftBodyMeshes::KeepReshaped()
 {
     std::vector<std::unique_ptr<qcSceneRigid>> away;
@@ -277,9 +285,17 @@ void qcSoftBodyMeshes::KeepReshaped()
         };
         auto last = std::find_if(m_away.begin(), m_away.end(), isSame);
         if (last != m_away.end())
+        {
             rigid = std::move(*last);
+            for (qcSceneMesh& mesh : rigid->meshes)
+                mesh.startVertices.clear();
+        }
         else
+        {
             FindMeshes(rigid.get(), overlap);
+            if (const qcSceneRigid* known = FindLast(object))
+                rigid->DeformFrom(*known);
+        }
         away.push_back(std::move(rigid));
     }
     m_away.swap(away);
@@ -405,7 +421,8 @@ std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
             qcSceneRigid* last = FindLast(rigid->object);
             if (last != nullptr && !AreSame(last->shapes, rigid->shapes))
             {
-                rigid->DeformFrom(last);
+                rigid->DeformFrom(*last);
+                rigid->TakeBodies(last);
                 isReshaped = !rigid->Deforms() && AreReshaped(last->shapes, rigid->shapes);
             }
         }
@@ -490,8 +507,12 @@ qcStatus qcSoftBodyMeshes::Extend(qcScene* scene, bool* added)
         };
         if (std::any_of(m_rigids.begin(), m_rigids.end(), isThere))
             continue;
-        std::unique_ptr<qcSceneRigid> rigid = MakeRigid(overlap);
-        FindMeshes(rigid.get(), overlap);
+        auto isAway = [&](const std::unique_ptr<qcSceneRigid>& away)
+        { return away && away->object == overlap.object && away->withSurfaces == overlap.withSurfaces; };
+        auto away = std::find_if(m_away.begin(), m_away.end(), isAway);
+        std::unique_ptr<qcSceneRigid> rigid = away != m_away.end() ? std::move(*away) : MakeRigid(overlap);
+        if (rigid->meshes.empty())
+            FindMeshes(rigid.get(), overlap);
         if (rigid->meshes.empty() || status != qc_statusOk)
             continue;
         status = Track(scene, std::move(rigid));

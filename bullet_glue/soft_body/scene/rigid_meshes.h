@@ -46,7 +46,9 @@ struct qcSceneRigid
     /// True if it can take any rigid motion: it is dynamic, and no factor or infinite inertia restricts it.
     bool IsFree() const;
     /// Has meshes deform from those of the previous step: see qcSceneMesh::DeformFrom.
-    void DeformFrom(qcSceneRigid* last);
+    void DeformFrom(const qcSceneRigid& last);
+    /// See qcSceneMesh.
+    void TakeBodies(qcSceneRigid* last);
     /// See qcSceneMesh::Rest; true if none of its meshes deforms.
     bool Rest();
     /// True if one of its meshes deforms in the step.

@@ -52,17 +52,21 @@ void qcSceneMesh::ReadShape(const qcShapeSurface* surface)
                                 surface != nullptr ? surface->sourcesHash : 0);
 }
 
-void qcSceneMesh::DeformFrom(qcSceneMesh* last)
+void qcSceneMesh::DeformFrom(const qcSceneMesh& last)
 {
-    if (trianglesHash == 0 || last->index != index || !(last->local == local) || last->trianglesHash != trianglesHash ||
-        last->vertices.size() != vertices.size() ||
-        !qcHaveMoved(last->vertices.data(), vertices.data(), vertices.size(), last->box))
+    if (trianglesHash == 0 || last.index != index || !(last.local == local) || last.trianglesHash != trianglesHash ||
+        last.vertices.size() != vertices.size() ||
+        !qcHaveMoved(last.vertices.data(), vertices.data(), vertices.size(), last.box))
         return;
-    startVertices.swap(last->vertices);
-    startBox[0] = last->box[0];
-    startBox[1] = last->box[1];
-    // The body of the previous step serves where the same vertices are one.
-    bool isSame = last->Deforms();
+    startVertices = last.vertices;
+    startBox[0] = last.box[0];
+    startBox[1] = last.box[1];
+}
+
+void qcSceneMesh::TakeBody(qcSceneMesh* last)
+{
+    bool isSame = Deforms() && last->Deforms() && !last->isAtStart && last->index == index &&
+                  last->firstVertices.size() == vertices.size();
     for (uint32_t i = 0; isSame && i < vertices.size(); i++)
         isSame = qcAreSame(vertices[i], vertices[last->firstVertices[i]]);
     if (!isSame)

@@ -68,7 +68,10 @@ struct qcSceneMesh
     void ReadShape(const qcShapeSurface* surface);
     /// Deforms in the step from what another mesh was, if that had the same triangles and they have moved from there;
     /// see qcHaveMoved.
-    void DeformFrom(qcSceneMesh* last);
+    void DeformFrom(const qcSceneMesh& last);
+    /// Takes over the body in the scene of a mesh from which this one deforms, if that is a deforming one with the same
+    /// vertices made one.
+    void TakeBody(qcSceneMesh* last);
     /// A mesh that deforms begins a step in which its vertices rest. False: it has rested for so long that it should be
     /// a rigid body again.
     bool Rest();
