@@ -2,10 +2,11 @@
 #ifndef QC_GLUE_COMMON_MOVED_VERTICES_H
 #define QC_GLUE_COMMON_MOVED_VERTICES_H
 
+#include "quickcullide/scene.h"
+
 #include <LinearMath/btTransform.h>
 
-#include <cstdint>
-#include <vector>
+#include <cstddef>
 
 /// The lower and upper corner of the box around `count` vertices, at least one.
 void qcFindBox(const btVector3* vertices, size_t count, btVector3 box[2]);
@@ -14,6 +15,10 @@ void qcFindBox(const btVector3* vertices, size_t count, btVector3 box[2]);
 /// box's diagonal. A mesh that was put elsewhere doesn't pass what lies between.
 bool qcHaveMoved(const btVector3* last, const btVector3* vertices, size_t count, const btVector3 box[2]);
 
-std::vector<btVector3> qcTransformed(const btTransform& transform, const btVector3* vertices, size_t count);
+/// Adds a mesh as a deforming body. `def`: of the rigid one, with btVector3 positions; `transform`: its transform.
+qcStatus qcAddDeforming(qcScene* scene, qcBodyDef def, const btTransform& transform, qcBodyId* id);
+/// Sets all vertices of a deforming body to these, transformed.
+qcStatus qcSetDeforming(qcScene* scene, qcBodyId id, const btTransform& transform, const btVector3* vertices,
+                        size_t count);
 
 #endif

@@ -3,7 +3,6 @@
 
 #include "common/moved_vertices.h"
 #include "mesh_contact/batch_scene.h"
-#include "quickcullide/bullet_positions.h"
 #include "quickcullide/hash.h"
 
 qcSweptMesh::qcSweptMesh(const btCollisionShape* read, const btTransform& place, bool keeps)
@@ -46,17 +45,9 @@ qcStatus qcSweptMesh::AddTo(qcScene* scene, const btTransform& object, uint32_t 
 {
     qcBodyDef def = qcMeshBodyDef(triangles->points, triangles->pointCount, triangles->indices, triangles->count,
                                   object * local, qc_activityMoving);
-    std::vector<btVector3> deformed;
-    isDeforming = Deforms();
-    if (isDeforming)
-    {
-        deformed = qcTransformed(object * local, triangles->points, triangles->pointCount);
-        def.positions = deformed.data();
-        def.transform = qcTransformOf(btTransform::getIdentity());
-        def.deforming = true;
-    }
     def.owner = owner;
-    return qcScene_AddBody(scene, &def, &id);
+    isDeforming = Deforms();
+    return isDeforming ? qcAddDeforming(scene, def, object * local, &id) : qcScene_AddBody(scene, &def, &id);
 }
 
 void qcSweptMesh::RemoveFrom(qcScene* scene)
@@ -72,8 +63,7 @@ qcStatus qcSweptMesh::Place(qcScene* scene, const btTransform& object, bool atSt
     if (isDeforming)
     {
         const btVector3* points = atStart && Deforms() ? startPoints.data() : triangles->points;
-        const std::vector<btVector3> deformed = qcTransformed(place, points, triangles->pointCount);
-        return qcScene_SetVertices(scene, id, deformed.data(), qcBulletPositions, sizeof(btVector3));
+        return qcSetDeforming(scene, id, place, points, triangles->pointCount);
     }
     const qcTransform transform = qcTransformOf(place);
     return qcScene_SetTransform(scene, id, &transform);

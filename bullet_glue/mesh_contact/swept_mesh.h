@@ -34,8 +34,7 @@ struct qcSweptMesh
         return atStart && Deforms() ? startPoints[index] : triangles->points[index];
     }
     /// Deforms in the step from what another mesh was, if that had the same triangles and they have moved from there;
-    /// see qcHaveMoved.
-    /// It takes over the other's body if that is a deforming one.
+    /// see qcHaveMoved. It takes over the other's body if that is a deforming one.
     void DeformFrom(qcSweptMesh* last);
 
     /// `object`: the transform of its object; `owner`: see qcBodyDef.

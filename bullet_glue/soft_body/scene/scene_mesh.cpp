@@ -5,7 +5,6 @@
 #include "common/object_key.h"
 #include "common/shape_triangles.h"
 #include "common/weld_vertices.h"
-#include "quickcullide/bullet_positions.h"
 #include "quickcullide/hash.h"
 
 namespace
@@ -92,19 +91,11 @@ qcStatus qcSceneMesh::AddTo(qcScene* scene, qcActivity activity)
 {
     Weld();
     const std::vector<uint32_t> indices = WeldedIndices();
-    std::vector<btVector3> deformed;
     qcBodyDef def = qcMeshBodyDef(vertices.data(), uint32_t(vertices.size()), indices.data(),
                                   uint32_t(indices.size() / 3), sceneTransform, activity);
-    if (Deforms())
-    {
-        deformed = qcTransformed(sceneTransform, vertices.data(), vertices.size());
-        def.positions = deformed.data();
-        def.transform = qcTransformOf(btTransform::getIdentity());
-        def.deforming = true;
-    }
     def.group = isSurface ? qcSurfaceGroup : qcMeshGroup;
     def.mask = qcSoftGroup;
-    return qcScene_AddBody(scene, &def, &id);
+    return Deforms() ? qcAddDeforming(scene, def, sceneTransform, &id) : qcScene_AddBody(scene, &def, &id);
 }
 
 qcStatus qcSceneMesh::Place(qcScene* scene, const btTransform& transform, bool atStart)
@@ -116,8 +107,7 @@ qcStatus qcSceneMesh::Place(qcScene* scene, const btTransform& transform, bool a
     if (Deforms())
     {
         const std::vector<btVector3>& present = atStart ? startVertices : vertices;
-        const std::vector<btVector3> deformed = qcTransformed(transform, present.data(), present.size());
-        status = qcScene_SetVertices(scene, id, deformed.data(), qcBulletPositions, sizeof(btVector3));
+        status = qcSetDeforming(scene, id, transform, present.data(), present.size());
     }
     else
     {
