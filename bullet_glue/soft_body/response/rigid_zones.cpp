@@ -157,12 +157,11 @@ void qcSoftZones::Carry(uint32_t slot, uint32_t triangle, uint32_t member)
     const qcSceneMesh* mesh = m_scene.Find(slot) == nullptr ? m_scene.meshes.Find(slot, &rigid) : nullptr;
     if (mesh == nullptr || !mesh->Deforms())
         return;
-    const btTransform& now = rigid->object->getWorldTransform();
     btVector3 motion(0, 0, 0);
     for (size_t c = 0; c < 3; c++)
     {
         const uint32_t vertex = mesh->shape->getIndices()[3 * size_t(triangle) + c];
-        motion += (now * (mesh->local * mesh->vertices[vertex]) - rigid->StartOf(*mesh, vertex)) / 3;
+        motion += (rigid->PresentOf(*mesh, vertex) - rigid->StartOf(*mesh, vertex)) / 3;
     }
     m_carriers.push_back({member, motion});
 }
@@ -303,8 +302,8 @@ btScalar qcSoftZones::DeviationOf(uint32_t slot, uint32_t triangle, const btTran
         for (size_t c = 0; c < 3; c++)
         {
             const uint32_t vertex = mesh->shape->getIndices()[3 * size_t(triangle) + c];
-            const btVector3 end = now * (mesh->local * mesh->vertices[vertex]);
-            deviation = std::max(deviation, (motion * rigid->StartOf(*mesh, vertex)).distance(end));
+            deviation =
+                std::max(deviation, (motion * rigid->StartOf(*mesh, vertex)).distance(rigid->PresentOf(*mesh, vertex)));
         }
     else
         deviation = qcMaxDisplacement(mesh->shape, motion * start * mesh->local, now * mesh->local);

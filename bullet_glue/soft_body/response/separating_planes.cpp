@@ -37,9 +37,8 @@ qcPlaneSide SideOf(qcSoftBodyScene& scene, uint32_t slot, uint32_t triangle)
 btVector3 EndOfMesh(const qcPlaneSide& side, uint32_t vertex, btVector3* arm)
 {
     const qcSceneRigid& rigid = *side.rigid;
-    const btTransform& now = rigid.object->getWorldTransform();
-    const btVector3 end = now * (side.mesh->local * side.mesh->shape->getVertices()[vertex]);
-    *arm = end - now.getOrigin();
+    const btVector3 end = rigid.PresentOf(*side.mesh, vertex);
+    *arm = end - rigid.object->getWorldTransform().getOrigin();
     return end + (rigid.linear + rigid.angular.cross(*arm));
 }
 

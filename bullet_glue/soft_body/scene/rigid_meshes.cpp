@@ -247,6 +247,13 @@ void qcSoftBodyMeshes::ForEachPlaced(const std::set<btBroadphaseInterface*>& bro
                     });
 }
 
+/// True if the object is one of the overlaps.
+bool qcSoftBodyMeshes::IsCollected(const btCollisionObject* object) const
+{
+    return std::any_of(m_overlaps.begin(), m_overlaps.end(),
+                       [object](const Overlap& overlap) { return overlap.object == object; });
+}
+
 /// Adds overlaps of objects whose triangles have passed boxes of soft bodies since the previous step.
 void qcSoftBodyMeshes::AddReshaped()
 {
@@ -254,11 +261,10 @@ void qcSoftBodyMeshes::AddReshaped()
     for (btCollisionObject* object : m_reshaped.Objects())
     {
         btVector3 motion[2];
-        auto isIts = [object](const Overlap& overlap) { return overlap.object == object; };
         auto isPassed = [&motion](const std::array<btVector3, 2>& box)
         { return TestAabbAgainstAabb2(motion[0], motion[1], box[0], box[1]); };
-        if (std::none_of(m_overlaps.begin(), m_overlaps.begin() + ptrdiff_t(count), isIts) &&
-            IsReshaped(object, motion) && std::any_of(m_collectedBoxes.begin(), m_collectedBoxes.end(), isPassed))
+        if (!IsCollected(object) && IsReshaped(object, motion) &&
+            std::any_of(m_collectedBoxes.begin(), m_collectedBoxes.end(), isPassed))
             m_overlaps.push_back({object, true, {motion[0], motion[1]}});
     }
     m_collectedBoxes.clear();
@@ -273,8 +279,7 @@ void qcSoftBodyMeshes::KeepReshaped()
     std::vector<std::unique_ptr<qcSceneRigid>> away;
     for (btCollisionObject* object : m_reshaped.Objects())
     {
-        auto isIts = [object](const Overlap& overlap) { return overlap.object == object; };
-        if (std::any_of(m_overlaps.begin(), m_overlaps.end(), isIts))
+        if (IsCollected(object))
             continue;
         const btBroadphaseProxy* proxy = object->getBroadphaseHandle();
         const Overlap overlap{object, true, {proxy->m_aabbMin, proxy->m_aabbMax}};

@@ -61,6 +61,11 @@ struct qcSceneRigid
     {
         return start * (mesh.local * mesh.StartVertex(vertex));
     }
+    /// Likewise at present.
+    btVector3 PresentOf(const qcSceneMesh& mesh, uint32_t vertex) const
+    {
+        return object->getWorldTransform() * (mesh.local * mesh.shape->getVertices()[vertex]);
+    }
     /// The motion from the start of the step to another transform; the identity, exactly, if these are equal.
     btTransform MotionTo(const btTransform& transform) const;
     /// The box of the motion of one of its meshes, from the start of the step to the present.
@@ -80,7 +85,8 @@ class qcSoftBodyMeshes
         m_starts.Begin(broadphases);
     }
     /// Calls function(lower, upper) for the motion of each object that Bullet does not move and others respond to,
-    /// where the application has moved it or its triangles since the previous step. O(objects).
+    /// where the application has moved it or its triangles since the previous step. O(objects * objects near soft
+    /// bodies).
     void ForEachPlaced(const std::set<btBroadphaseInterface*>& broadphases,
                        const qcObjectStarts::BoxFunction& function) const;
     /// Reads where all objects start and end the step. Call it before CollectOverlapping.
@@ -140,6 +146,7 @@ class qcSoftBodyMeshes
 
     void MergeOverlaps();
     bool IsReshaped(const btCollisionObject* object, btVector3 box[2]) const;
+    bool IsCollected(const btCollisionObject* object) const;
     void AddReshaped();
     void KeepReshaped();
     qcSceneRigid* FindLast(const btCollisionObject* object) const;
