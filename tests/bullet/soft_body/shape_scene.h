@@ -40,11 +40,7 @@ struct qcShapeScene : qcSoftWorld
 
     ~qcShapeScene()
     {
-        while (!cloths.empty())
-            RemoveCloth();
-        for (const auto& rigid : bodies)
-            world.removeRigidBody(rigid.get());
-        bodies.clear();
+        RemoveAll();
     }
 
     void UseBulletsContacts()

@@ -40,13 +40,20 @@ struct qcSoftWorld
 
     ~qcSoftWorld()
     {
+        RemoveAll();
+    }
+    qcSoftWorld(const qcSoftWorld&) = delete;
+    qcSoftWorld& operator=(const qcSoftWorld&) = delete;
+
+    /// Also for the destructors of scenes that own what bodies use.
+    void RemoveAll()
+    {
         while (!cloths.empty())
             RemoveCloth();
         for (const auto& body : bodies)
             world.removeRigidBody(body.get());
+        bodies.clear();
     }
-    qcSoftWorld(const qcSoftWorld&) = delete;
-    qcSoftWorld& operator=(const qcSoftWorld&) = delete;
 
     void SetGravity(const btVector3& gravity)
     {

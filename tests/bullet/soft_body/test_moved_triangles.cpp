@@ -27,11 +27,7 @@ struct MovedTriangles : qcSoftWorld
 
     ~MovedTriangles()
     {
-        while (!cloths.empty())
-            RemoveCloth();
-        for (const auto& rigid : bodies)
-            world.removeRigidBody(rigid.get());
-        bodies.clear();
+        RemoveAll();
     }
 
     /// A square of 2 metres, of 1 kg, that is pinned at the corners of `pinned`.
@@ -199,6 +195,7 @@ START_TEST(ground_in_random_motion_makes_nothing_penetrate_that_is_not_counted)
 {
     const qcModel models[] = {qcBoxModel(btVector3(btScalar(0.2), btScalar(0.06), btScalar(0.2)), 2),
                               qcTorusModel(0.2, 0.07, 12, 6), qcSphereModel(0.15, 2)};
+    int steps = 0, unprovenSteps = 0;
     for (unsigned seed = 0; seed < (qcIsLongForm() ? 300u : 12u); seed++)
     {
         std::mt19937 random(seed);
@@ -231,8 +228,11 @@ START_TEST(ground_in_random_motion_makes_nothing_penetrate_that_is_not_counted)
             const int counted = soft.unproven + soft.exempt + scene.meshContact.getStatistics().unproven;
             ck_assert_msg(scene.oracle->Count() == 0 || counted > 0 || isTangled, "seed %u, step %d", seed, step);
             isTangled = ends.CountNow() > 0;
+            steps++;
+            unprovenSteps += soft.unproven + scene.meshContact.getStatistics().unproven > 0;
         }
     }
+    printf("ground in random motion: %d of %d steps have unproven pairs\n", unprovenSteps, steps);
 }
 END_TEST
 
