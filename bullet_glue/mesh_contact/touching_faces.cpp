@@ -8,6 +8,8 @@ namespace
 // Two faces may touch if the cosine between their normals is less than this, and their planes are nearer to each other
 // than this part of the meshes' size.
 constexpr btScalar s_opposite = btScalar(-0.9999), s_nearPlane = btScalar(0.01);
+// As many vertices as a face of a piece has, but for large ones.
+constexpr size_t s_fewVertices = 16;
 
 /// A vertex that two meshes have in common, up to rounding.
 struct CommonVertex
@@ -27,12 +29,15 @@ void FindCommon(const qcPlacedSupport& a, const qcPlacedSupport& b, const btVect
     if (btFabs(axis.dot(b.transform.getOrigin() - a.transform.getOrigin()) - maxB - maxA) > error)
         return;
     std::vector<uint32_t> nearA, nearB;
+    nearA.reserve(s_fewVertices);
+    nearB.reserve(s_fewVertices);
     a.mesh->AppendAbove(localA, maxA - error, &nearA);
     b.mesh->AppendAbove(localB, maxB - error, &nearB);
     std::vector<btVector3> points;
     points.reserve(nearB.size());
     for (uint32_t j : nearB)
         points.push_back(b.VertexAt(j));
+    common->reserve(nearA.size());
     for (uint32_t i : nearA)
     {
         btVector3 point = a.VertexAt(i);
@@ -78,13 +83,17 @@ bool qcFindTouchingFaces(const qcPlacedSupport& a, const qcPlacedSupport& b, qcS
     btVector3 between = b.transform.getOrigin() - a.transform.getOrigin();
     btScalar nearPlane = s_nearPlane * (a.mesh->Radius() + b.mesh->Radius());
     btMatrix3x3 aToB = b.transform.getBasis().transposeTimes(a.transform.getBasis());
+    const std::vector<qcSupportMesh::Face>& others = b.mesh->FacesByMax();
+    if (others.empty())
+        return false;
     for (const qcSupportMesh::Face& face : a.mesh->Faces())
     {
         btVector3 normal = a.transform.getBasis() * face.normal;
         btScalar least = normal.dot(between) - face.max - nearPlane, largest = least + 2 * nearPlane;
         if (least > b.mesh->Radius())
             return false; // the face separates them
-        const std::vector<qcSupportMesh::Face>& others = b.mesh->FacesByMax();
+        if (largest < others.front().max)
+            continue; // it is nearer to B's centre than each of B's faces
         auto other = std::lower_bound(others.begin(), others.end(), least,
                                       [](const qcSupportMesh::Face& some, btScalar max) { return some.max < max; });
         btVector3 inB = aToB * face.normal;
