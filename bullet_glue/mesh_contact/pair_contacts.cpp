@@ -52,7 +52,7 @@ qcPairContact& qcPairContacts::FindOrAdd(uint32_t a, uint32_t b)
     uint64_t key = KeyOf(a, b);
     uint32_t index = m_indices.FindOrAdd(key, uint32_t(m_pairs.size()));
     if (index == m_pairs.size())
-        m_pairs.push_back({key, {}});
+        m_pairs.emplace_back(key);
     return m_pairs[index].contact;
 }
 

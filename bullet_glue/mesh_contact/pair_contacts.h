@@ -71,10 +71,17 @@ class qcPairContacts
         return a < b ? uint64_t(a) << 32 | b : uint64_t(b) << 32 | a;
     }
 
+    /// Its points are moved, not copied, as the vector grows: Bullet's transforms have no noexcept move.
     struct Pair
     {
         uint64_t key;
         qcPairContact contact;
+
+        explicit Pair(uint64_t numbers) : key(numbers)
+        {
+        }
+        Pair(Pair&&) noexcept = default;
+        Pair& operator=(Pair&&) noexcept = default;
     };
 
     std::vector<Pair> m_pairs;                 ///< in the order in which they were added
