@@ -310,6 +310,18 @@ static char* WriteDefault(int key, const char* text, void* input)
     return length < 0 ? (char*)text : filled;
 }
 
+/// The version is that of the library that is loaded.
+static void PrintVersion(FILE* stream, struct argp_state* state)
+{
+    const uint32_t version = qcVersion();
+    fprintf(stream, "%s %u.%u.%u\n", state->name, version / 10000, version / 100 % 100, version % 100);
+}
+
+void qcCommandLine_OfferVersion(void)
+{
+    argp_program_version_hook = PrintVersion;
+}
+
 void qcCommandLine_Parse(qcCommandLine* commandLine, int argumentCount, char** arguments)
 {
     struct argp_option options[qc_maxOptions + 1] = {{0}};
@@ -327,6 +339,7 @@ void qcCommandLine_Parse(qcCommandLine* commandLine, int argumentCount, char** a
     }
     struct argp parser = {options, ReadOption, commandLine->arguments, commandLine->help, NULL, WriteDefault, NULL};
     argp_err_exit_status = qc_exitUsage;
+    qcCommandLine_OfferVersion();
     Parse parse = {.line = commandLine};
     argp_parse(&parser, argumentCount, arguments, 0, NULL, &parse);
 }

@@ -100,7 +100,9 @@ typedef struct qcCommandLine
     void* context;
 } qcCommandLine;
 
-/// Ends the program after --help and on a mistake.
+/// Has argp answer --version. qcCommandLine_Parse does it, too.
+void qcCommandLine_OfferVersion(void);
+/// Ends the program after --help, after --version and on a mistake.
 void qcCommandLine_Parse(qcCommandLine* commandLine, int argumentCount, char** arguments);
 
 /// The readers, for a qcTakeText. `option` ("--views") is named in messages.

@@ -1,11 +1,12 @@
 // qc-replay: runs a recording again, and compares its results with the recorded ones.
-#define _POSIX_C_SOURCE 200809L // unsetenv
+#define _GNU_SOURCE // unsetenv, program_invocation_short_name
 #include "replay/replay.h"
 
 #include "common/interrupt.h"
 #include "common/output_file.h"
 #include "common/progress.h"
 
+#include <errno.h>
 #include <stdlib.h>
 
 /// What is done with each detection.
@@ -120,6 +121,6 @@ int main(int argumentCount, char** arguments)
     qcExitStatus ending = Run(&options, &message);
     fflush(stdout);
     if (message.text[0] != 0)
-        fprintf(stderr, "qc-replay: %s\n", message.text);
+        fprintf(stderr, "%s: %s\n", program_invocation_short_name, message.text);
     return (int)ending;
 }

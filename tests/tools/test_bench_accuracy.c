@@ -350,6 +350,19 @@ START_TEST(help_explains_each_level)
 }
 END_TEST
 
+START_TEST(version_is_that_of_the_library)
+{
+    char version[32];
+    snprintf(version, sizeof version, " %u.%u.%u\n", qcVersion() / 10000, qcVersion() / 100 % 100, qcVersion() % 100);
+    for (int i = 0; i < 2; ++i)
+    {
+        ck_assert_int_eq(Run("%s %s --version", BENCH, i == 0 ? "" : "accuracy"), 0);
+        ck_assert_ptr_nonnull(strstr(GetOutput(), "qc-bench"));
+        ck_assert_ptr_nonnull(strstr(GetOutput(), version));
+    }
+}
+END_TEST
+
 int main(void)
 {
     const TTest* const tests[] = {each_row_accounts_for_every_pair_of_the_scene,
@@ -360,7 +373,8 @@ int main(void)
                                   without_gnuplot_there_is_the_csv_and_the_script,
                                   a_gnuplot_that_fails_is_reported,
                                   a_missing_bunny_is_skipped,
-                                  help_explains_each_level};
+                                  help_explains_each_level,
+                                  version_is_that_of_the_library};
     Suite* suite = suite_create("qc-bench");
     TCase* tcase = tcase_create("qc-bench");
     tcase_add_checked_fixture(tcase, EnterFolder, LeaveFolder);
