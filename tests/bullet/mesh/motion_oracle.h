@@ -65,22 +65,23 @@ class qcMotionOracle
     qcMotionOracle(const qcMotionOracle&) = delete;
     qcMotionOracle& operator=(const qcMotionOracle&) = delete;
 
-    /// `now` returns the body's triangles where they are.
-    void Add(std::function<qcWorldMesh()> now)
+    /// `now` returns the body's triangles where they are. `owner`: see qcBodyDef.
+    void Add(std::function<qcWorldMesh()> now, uint32_t owner = 0)
     {
         Body body{std::move(now), {}, {}};
         qcWorldMesh soup = body.now();
         qcBodyDef def = qcBodyOf(soup);
         def.deforming = true;
         def.selfCollision = false;
+        def.owner = owner;
         ck_assert_int_eq(qcScene_AddBody(m_scene, &def, &body.id), qc_statusOk);
         body.start = std::move(soup.positions);
         m_bodies.push_back(std::move(body));
     }
 
-    void Add(const qcModel& model, const btCollisionObject* object)
+    void Add(const qcModel& model, const btCollisionObject* object, uint32_t owner = 0)
     {
-        Add([&model, object] { return qcWorldMeshOf(model, object->getWorldTransform()); });
+        Add([&model, object] { return qcWorldMeshOf(model, object->getWorldTransform()); }, owner);
     }
 
     /// The largest count at any moment since the last call; the last moment is the present, and a new start.

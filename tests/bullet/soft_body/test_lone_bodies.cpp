@@ -3,7 +3,7 @@
 
 #include "quickcullide/scene.h"
 
-#include "bullet/soft_body/random_numbers.h"
+#include "bullet/random_numbers.h"
 
 #include <array>
 #include <limits>

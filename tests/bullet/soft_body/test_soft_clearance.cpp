@@ -1,7 +1,7 @@
 // Bodies that their distance alone keeps apart over a step, against certificates for each pair of triangles.
 #include "soft_body/response/clearance.h"
 
-#include "bullet/soft_body/random_numbers.h"
+#include "bullet/random_numbers.h"
 
 #include <array>
 #include <limits>

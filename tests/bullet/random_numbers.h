@@ -1,6 +1,6 @@
 // Random numbers and vectors, the same in each run.
-#ifndef QC_TESTS_BULLET_SOFT_BODY_RANDOM_NUMBERS_H
-#define QC_TESTS_BULLET_SOFT_BODY_RANDOM_NUMBERS_H
+#ifndef QC_TESTS_BULLET_RANDOM_NUMBERS_H
+#define QC_TESTS_BULLET_RANDOM_NUMBERS_H
 
 #include <LinearMath/btVector3.h>
 
