@@ -1,8 +1,8 @@
 // A mesh of an object in the scene of motions.
 #include "mesh_contact/swept_mesh.h"
 
+#include "common/compound_children.h"
 #include "common/moved_vertices.h"
-#include "mesh_contact/batch_scene.h"
 #include "quickcullide/hash.h"
 
 qcSweptMesh::qcSweptMesh(const btCollisionShape* read, const btTransform& place, bool keeps)
@@ -69,10 +69,24 @@ qcStatus qcSweptMesh::Place(qcScene* scene, const btTransform& object, bool atSt
     return qcScene_SetTransform(scene, id, &transform);
 }
 
-std::vector<qcSweptMesh> qcReadSweptMeshes(const btCollisionShape* shape, bool keeps)
+std::vector<qcBatchMesh> qcCollectSwept(const btCollisionShape* shape, qcConvexCores* cores)
 {
-    std::vector<qcBatchMesh> present;
-    qcCollectMeshes(shape, btTransform::getIdentity(), &present);
+    std::vector<qcBatchMesh> swept;
+    qcCollectMeshes(shape, btTransform::getIdentity(), &swept);
+    auto addCore = [&swept, cores](const btCollisionShape* simple, const btTransform& place)
+    {
+        const qcConvexCore* core =
+            simple->isConvex() ? &cores->Find(static_cast<const btConvexShape*>(simple)) : nullptr;
+        if (core != nullptr && core->mesh != nullptr)
+            qcCollectMeshes(core->mesh.get(), place, &swept);
+    };
+    if (cores != nullptr)
+        qcForEachSimpleShape(shape, btTransform::getIdentity(), addCore);
+    return swept;
+}
+
+std::vector<qcSweptMesh> qcReadSweptMeshes(const std::vector<qcBatchMesh>& present, bool keeps)
+{
     std::vector<qcSweptMesh> meshes;
     for (const qcBatchMesh& mesh : present)
         meshes.emplace_back(mesh.shape, mesh.transform, keeps);

@@ -3,6 +3,8 @@
 #define QC_GLUE_MESH_CONTACT_SWEPT_MESH_H
 
 #include "common/shape_triangles.h"
+#include "mesh_contact/batch_scene.h"
+#include "mesh_contact/convex_cores.h"
 
 #include <memory>
 
@@ -43,7 +45,9 @@ struct qcSweptMesh
     qcStatus Place(qcScene* scene, const btTransform& object, bool atStart) const;
 };
 
-/// Reads the meshes of a shape.
-std::vector<qcSweptMesh> qcReadSweptMeshes(const btCollisionShape* shape, bool keeps);
+/// What of a shape is swept: its meshes and, unless `cores` is null, the cores of its convex shapes.
+std::vector<qcBatchMesh> qcCollectSwept(const btCollisionShape* shape, qcConvexCores* cores);
+/// Reads these meshes.
+std::vector<qcSweptMesh> qcReadSweptMeshes(const std::vector<qcBatchMesh>& present, bool keeps);
 
 #endif

@@ -3,6 +3,7 @@
 
 #include "common/compound_children.h"
 #include "common/object_motion.h"
+#include "mesh_contact/rigid_motion.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
@@ -14,6 +15,12 @@
 
 namespace
 {
+// Bullet's contact pushes a convex shape back to the side of a mesh from which it comes, unless it moves by more than
+// this part of its core's half width in a step; below this part of the contact breaking threshold none does.
+constexpr btScalar s_slowPart = btScalar(0.5), s_slowMotion = btScalar(0.1);
+// Steps for which a convex shape counts as fast, so that its starts are exact and its core stays in the scene.
+constexpr int s_coreSteps = 30;
+
 /// Finds what of an object's shape consists of triangles.
 void ReadShape(qcSweptObject* swept, bool gimpact)
 {
@@ -40,6 +47,21 @@ bool IsIntegrated(const btRigidBody& body)
            qcAreSame(body.getInterpolationAngularVelocity(), body.getAngularVelocity());
 }
 
+/// Calls function(core) for each core of the shape.
+template <typename Function>
+void ForEachCore(const btCollisionShape* shape, qcConvexCores* cores, const Function& function)
+{
+    auto find = [cores, &function](const btCollisionShape* simple, const btTransform&)
+    {
+        if (!simple->isConvex())
+            return;
+        const qcConvexCore& core = cores->Find(static_cast<const btConvexShape*>(simple));
+        if (core.mesh != nullptr)
+            function(core);
+    };
+    qcForEachSimpleShape(shape, btTransform::getIdentity(), find);
+}
+
 bool IsBelow(const btVector3& a, const btVector3& b)
 {
     return a.x() <= b.x() && a.y() <= b.y() && a.z() <= b.z();
@@ -63,6 +85,11 @@ btTransform qcSweptObject::At(btScalar part) const
     btTransformUtil::calculateDiffAxisAngle(carried, target, axis, angle);
     btMatrix3x3 turn(btQuaternion(axis, part * angle));
     return btTransform(turn * carried.getBasis(), carried.getOrigin().lerp(target.getOrigin(), part));
+}
+
+void qcSweptObject::FindTravel()
+{
+    travel = qcDisplacementBound(start, target, object->getCollisionShape()->getAngularMotionDisc());
 }
 
 void qcSweptObject::FindBox()
@@ -129,7 +156,8 @@ void qcSweptObjects::MarkStarts()
     m_isMarked = true;
     btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
     for (int i = 0; i < objects.size(); i++)
-        if (qcMayHoldMeshes(objects[i]->getCollisionShape()) && DynamicBody(objects[i]) != nullptr)
+        if (DynamicBody(objects[i]) != nullptr &&
+            (qcMayHoldMeshes(objects[i]->getCollisionShape()) || (m_coreCount > 0 && Find(objects[i]) != nullptr)))
         {
             qcSweptObject* swept = Add(objects[i]);
             swept->next = objects[i]->getWorldTransform();
@@ -141,7 +169,7 @@ void qcSweptObjects::KeepTriangles(const btCollisionObject* object)
 {
     qcSweptObject* swept = Add(object);
     if (swept->meshes.empty())
-        swept->meshes = qcReadSweptMeshes(object->getCollisionShape(), true);
+        swept->meshes = qcReadSweptMeshes(qcCollectSwept(object->getCollisionShape(), nullptr), true);
 }
 
 /// Notices that the application has moved the triangles of an object that Bullet does not move: its meshes then deform
@@ -162,7 +190,8 @@ void qcSweptObjects::ReadTriangles(qcSweptObject* swept, qcScene* scene) const
     std::swap(swept->revision, revision);
     if (revision == 0 || revision == swept->revision)
         return;
-    std::vector<qcSweptMesh> last = qcReadSweptMeshes(swept->object->getCollisionShape(), true);
+    std::vector<qcSweptMesh> last =
+        qcReadSweptMeshes(qcCollectSwept(swept->object->getCollisionShape(), nullptr), true);
     last.swap(swept->meshes);
     for (size_t i = 0; i < std::min(last.size(), swept->meshes.size()); i++)
         swept->meshes[i].DeformFrom(&last[i]);
@@ -223,6 +252,72 @@ void qcSweptObjects::FindFloors(qcSweptObject* swept) const
     }
 }
 
+/// Upper bound of the motion of a dynamic body against the meshes near it, in a step.
+btScalar qcSweptObjects::TravelNear(const btCollisionObject* object) const
+{
+    const btScalar own =
+        qcRigidMotion(object).MaxSpeed(object->getCollisionShape()->getAngularMotionDisc()) * m_timeStep;
+    btScalar largest = 0;
+    btVector3 lower, upper;
+    object->getCollisionShape()->getAabb(object->getWorldTransform(), lower, upper);
+    const btVector3 around(own, own, own);
+    for (const qcSweptObject* mesh : m_movingMeshes)
+        if (mesh->travel > largest && IsBelow(lower - around, mesh->upper) && IsBelow(mesh->lower, upper + around))
+            largest = mesh->travel;
+    return own + largest;
+}
+
+/// True if the convex shapes of a dynamic body may pass a mesh in the step, or might have lately.
+bool qcSweptObjects::TakesCores(const btCollisionObject* object)
+{
+    const btCollisionShape* shape = object->getCollisionShape();
+    if (!(shape->isConvex() || shape->isCompound()) || DynamicBody(const_cast<btCollisionObject*>(object)) == nullptr ||
+        !object->hasContactResponse())
+        return false;
+    const qcSweptObject* known = m_coreCount > 0 ? Find(object) : nullptr;
+    if (known != nullptr && known->coreSteps > 0)
+        return true;
+    const btScalar travel = TravelNear(object);
+    if (travel <= s_slowMotion * gContactBreakingThreshold)
+        return false;
+    bool isFast = false;
+    ForEachCore(shape, &m_cores,
+                [&](const qcConvexCore& core) { isFast = isFast || travel > s_slowPart * core.halfWidth; });
+    return isFast;
+}
+
+/// Reads the present transform of an object as its target.
+qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesCores, qcScene* scene)
+{
+    qcSweptObject& swept = *Add(object);
+    swept.step = m_step;
+    swept.body = DynamicBody(object);
+    ReadShape(&swept, m_settings.gimpact);
+    ReadTriangles(&swept, scene);
+    swept.hull = swept.Deforms() ? nullptr : m_axes.FindMesh(object);
+    swept.cores = takesCores ? &m_cores : nullptr;
+    if (takesCores && swept.isNew)
+        swept.wasActive = object->isActive();
+    swept.halfWidth = swept.hasMesh ? btScalar(0) : BT_LARGE_FLOAT;
+    auto addCore = [&swept, object](const qcConvexCore& core)
+    {
+        swept.hasMesh = true;
+        swept.halfWidth = std::min(swept.halfWidth, core.halfWidth);
+        if (object->getCollisionShape()->isConvex())
+            swept.hull = core.hull.get();
+    };
+    if (takesCores)
+        ForEachCore(object->getCollisionShape(), &m_cores, addCore);
+    swept.target = swept.end = object->getWorldTransform();
+    FindFloors(&swept);
+    swept.carried = swept.start;
+    swept.isLookedUp = false;
+    swept.pushes = 0;
+    swept.fraction = 1;
+    swept.FindTravel();
+    return swept;
+}
+
 bool qcSweptObjects::ReadTargets(qcScene* scene)
 {
     m_step++;
@@ -230,25 +325,28 @@ bool qcSweptObjects::ReadTargets(qcScene* scene)
     bool anyMoved = false;
     size_t present = 0;
     btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
+    // Meshes first: how far they move decides which convex shapes may pass one.
+    bool anyOurs = false;
+    m_movingMeshes.clear();
     for (int i = 0; i < objects.size(); i++)
-    {
-        if (!qcMayHoldMeshes(objects[i]->getCollisionShape()))
-            continue;
-        present++;
-        qcSweptObject& swept = *Add(objects[i]);
-        swept.step = m_step;
-        swept.body = DynamicBody(objects[i]);
-        ReadShape(&swept, m_settings.gimpact);
-        ReadTriangles(&swept, scene);
-        swept.hull = swept.Deforms() ? nullptr : m_axes.FindMesh(objects[i]);
-        swept.target = swept.end = objects[i]->getWorldTransform();
-        FindFloors(&swept);
-        swept.carried = swept.start;
-        swept.isLookedUp = false;
-        swept.pushes = 0;
-        swept.fraction = 1;
-        anyMoved = anyMoved || !qcAreSame(swept.start, swept.target);
-    }
+        if (qcMayHoldMeshes(objects[i]->getCollisionShape()))
+        {
+            present++;
+            qcSweptObject& swept = ReadTarget(objects[i], false, scene);
+            anyMoved = anyMoved || !qcAreSame(swept.start, swept.target);
+            anyOurs = anyOurs || swept.isOurs;
+            if (!swept.isOurs || swept.travel <= s_slowMotion * gContactBreakingThreshold)
+                continue;
+            swept.FindBox();
+            m_movingMeshes.push_back(&swept);
+        }
+    for (int i = 0; anyOurs && i < objects.size(); i++)
+        if (TakesCores(objects[i]))
+        {
+            present += !qcMayHoldMeshes(objects[i]->getCollisionShape());
+            ReadTarget(objects[i], true, scene);
+            anyMoved = true;
+        }
     if (present != m_sorted.size())
         RemoveGone(scene);
     return anyMoved;
@@ -293,12 +391,21 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
         swept->isLimited = false;
     }
     EndDeformations();
+    m_timeStep = timeStep;
+    m_cores.BeginStep();
     ReadTargets(scene);
     for (qcSweptObject* swept : m_sorted)
-        if (!m_isMarked && swept->body != nullptr && (swept->isNew || !qcAreSame(swept->start, swept->target)))
+    {
+        // A convex shape was not there to be marked before it was fast. Bullet's continuous collision may have stopped
+        // it.
+        const bool isMarked =
+            swept->isNew && swept->cores != nullptr ? swept->object->getCcdSquareMotionThreshold() > 0 : m_isMarked;
+        if (!isMarked && swept->body != nullptr && (swept->isNew || !qcAreSame(swept->start, swept->target)))
             FindStart(timeStep, swept);
+    }
     const Shift shift = FindCommonShift();
     bool anyMoved = false;
+    m_coreCount = 0;
     for (qcSweptObject* swept : m_sorted)
     {
         btVector3 motion = swept->target.getOrigin() - swept->start.getOrigin();
@@ -308,6 +415,10 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
             swept->start = swept->target;
         swept->motion = motion;
         swept->carried = swept->start;
+        swept->FindTravel();
+        const bool isFast = swept->cores != nullptr && TravelNear(swept->object) > s_slowPart * swept->halfWidth;
+        swept->coreSteps = isFast ? s_coreSteps : std::max(swept->coreSteps - 1, 0);
+        m_coreCount += swept->coreSteps > 0;
         anyMoved = anyMoved || !qcAreSame(swept->start, swept->target) || swept->Deforms();
     }
     m_isMarked = false;
@@ -330,6 +441,10 @@ bool qcSweptObjects::Collide(const qcSweptObject& a, const qcSweptObject& b) con
 {
     btCollisionWorld* world = m_settings.world;
     if ((a.body == nullptr && b.body == nullptr) || !a.hasMesh || !b.hasMesh || !(a.isOurs || b.isOurs))
+        return false;
+    // Bullet's contact keeps apart what is slow.
+    if ((a.cores != nullptr || b.cores != nullptr) &&
+        a.travel + b.travel <= s_slowPart * std::min(a.halfWidth, b.halfWidth))
         return false;
     btBroadphaseProxy *proxyA = a.object->getBroadphaseHandle(), *proxyB = b.object->getBroadphaseHandle();
     if (proxyA == nullptr || proxyB == nullptr)

@@ -30,7 +30,11 @@ struct qcSweptObject
     uint64_t step = 0;                    ///< the last update that found the object in the world
     bool hasMesh = false;                 ///< one of its shapes consists of triangles; planes do not
     bool isOurs = false;                  ///< contact of one of its meshes with any other mesh is computed here
-    const qcSupportMesh* hull = nullptr;  ///< its mesh, if it consists of one small mesh
+    qcConvexCores* cores = nullptr;       ///< its convex shapes are swept as these; null: they are not
+    int coreSteps = 0;                    ///< for how long they are swept yet
+    btScalar halfWidth = BT_LARGE_FLOAT;  ///< the least of its cores
+    btScalar travel = 0;                  ///< upper bound of its points' motion from start to target
+    const qcSupportMesh* hull = nullptr;  ///< its mesh or core, if it consists of one small one
     bool isNew = true;                    ///< in its first step
     bool wasActive = false;               ///< a dynamic body that did not sleep when contact was searched
     bool moves = false;                   ///< its end is not its start
@@ -62,6 +66,8 @@ struct qcSweptObject
     {
         return body != nullptr && part < fraction ? At(part) : end;
     }
+    /// Sets `travel`.
+    void FindTravel();
     /// Sets `moves` and the box, from start and end.
     void FindBox();
     /// True if a mesh of it deforms in the step.
@@ -154,6 +160,9 @@ class qcSweptObjects
     void ReadTriangles(qcSweptObject* swept, qcScene* scene) const;
     void EndDeformations() const;
     void RemoveGone(qcScene* scene);
+    btScalar TravelNear(const btCollisionObject* object) const;
+    bool TakesCores(const btCollisionObject* object);
+    qcSweptObject& ReadTarget(btCollisionObject* object, bool takesCores, qcScene* scene);
     void FindPlanes();
     void FindFloors(qcSweptObject* swept) const;
     bool IsLeftOut(const qcSweptObject& a, const qcSweptObject& b) const;
@@ -161,6 +170,10 @@ class qcSweptObjects
 
     const qcBatchSettings& m_settings;
     qcAxisCache& m_axes;
+    qcConvexCores m_cores;
+    btScalar m_timeStep = 0;
+    std::vector<const qcSweptObject*> m_movingMeshes; ///< of those whose contact is computed here
+    size_t m_coreCount = 0;                           ///< objects whose convex shapes are swept
     std::unordered_map<qcObjectKey, std::unique_ptr<qcSweptObject>, qcObjectKeyHash> m_objects;
     std::vector<qcSweptObject*> m_sorted;
     std::unordered_map<const btCollisionShape*, uint64_t> m_changes; ///< calls of InvalidateShape

@@ -13,8 +13,7 @@ qcSweptScene::~qcSweptScene()
 /// Brings the scene's meshes of an object up to date.
 qcStatus qcSweptScene::AddMeshes(qcSweptObject* swept)
 {
-    std::vector<qcBatchMesh> present;
-    qcCollectMeshes(swept->object->getCollisionShape(), btTransform::getIdentity(), &present);
+    const std::vector<qcBatchMesh> present = qcCollectSwept(swept->object->getCollisionShape(), swept->cores);
     auto isSame = [](const qcSweptMesh& mesh, const qcBatchMesh& now)
     {
         return mesh.shape == now.shape && qcAreSame(mesh.local, now.transform) &&
@@ -24,7 +23,7 @@ qcStatus qcSweptScene::AddMeshes(qcSweptObject* swept)
     {
         for (qcSweptMesh& mesh : swept->meshes)
             mesh.RemoveFrom(m_scene);
-        swept->meshes = qcReadSweptMeshes(swept->object->getCollisionShape(), swept->body == nullptr);
+        swept->meshes = qcReadSweptMeshes(present, swept->body == nullptr);
     }
     for (size_t i = 0; i < swept->meshes.size(); i++)
     {

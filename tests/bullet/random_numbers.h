@@ -6,10 +6,10 @@
 
 #include <random>
 
-class Random
+class qcRandom
 {
   public:
-    explicit Random(unsigned start) : m_engine(start)
+    explicit qcRandom(unsigned start) : m_engine(start)
     {
     }
     btScalar Number(double lowest, double highest)

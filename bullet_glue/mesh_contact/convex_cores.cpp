@@ -1,0 +1,103 @@
+// Cores of convex shapes.
+#include "mesh_contact/convex_cores.h"
+
+#include "common/hash_table.h"
+#include "common/shape_triangles.h"
+#include "quickcullide/bullet_positions.h"
+
+#include <LinearMath/btConvexHullComputer.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace
+{
+// Contact lets bodies penetrate a little: a core has to be further inside.
+constexpr btScalar s_coreSize = btScalar(0.9);
+// Cores and what is in them of a scene are kept for this many steps after their last use.
+constexpr uint64_t s_keptCores = 64;
+
+/// The hull of a shape's outermost points along the diagonals of a cube, and along its axes in between.
+btConvexHullComputer HullOf(const btConvexShape* shape)
+{
+    std::vector<btVector3> points;
+    for (int i = 0; i < 27; i++)
+    {
+        const btVector3 direction(btScalar(i % 3 - 1), btScalar(i / 3 % 3 - 1), btScalar(i / 9 - 1));
+        if (i != 13)
+            points.push_back(shape->localGetSupportingVertex(direction.normalized()));
+    }
+    btConvexHullComputer hull;
+    const bool isFinite =
+        std::all_of(points.begin(), points.end(),
+                    [](const btVector3& point) { return std::isfinite(point.x() + point.y() + point.z()); });
+    if (isFinite)
+        hull.compute(&points[0].x(), sizeof(btVector3), int(points.size()), 0, 0);
+    return hull;
+}
+
+/// Three indices a triangle.
+std::vector<uint32_t> TrianglesOf(const btConvexHullComputer& hull)
+{
+    std::vector<uint32_t> indices;
+    for (int face = 0; face < hull.faces.size(); face++)
+    {
+        const btConvexHullComputer::Edge* first = &hull.edges[hull.faces[face]];
+        const btConvexHullComputer::Edge* edge = first->getNextEdgeOfFace();
+        for (; edge->getTargetVertex() != first->getSourceVertex(); edge = edge->getNextEdgeOfFace())
+            indices.insert(indices.end(), {uint32_t(first->getSourceVertex()), uint32_t(edge->getSourceVertex()),
+                                           uint32_t(edge->getTargetVertex())});
+    }
+    return indices;
+}
+
+qcConvexCore MakeCore(const btConvexShape* shape)
+{
+    qcConvexCore core;
+    const btConvexHullComputer hull = HullOf(shape);
+    const std::vector<uint32_t> indices = TrianglesOf(hull);
+    if (hull.vertices.size() < 4 || indices.empty())
+        return core;
+    btVector3 centre(0, 0, 0);
+    for (int i = 0; i < hull.vertices.size(); i++)
+        centre += hull.vertices[i] / btScalar(hull.vertices.size());
+    std::vector<btVector3> points;
+    for (int i = 0; i < hull.vertices.size(); i++)
+        points.push_back(centre + s_coreSize * (hull.vertices[i] - centre));
+    core.halfWidth = BT_LARGE_FLOAT;
+    for (size_t i = 0; i < indices.size(); i += 3)
+    {
+        const btVector3 &a = points[indices[i]], &b = points[indices[i + 1]], &c = points[indices[i + 2]];
+        const btVector3 normal = (b - a).cross(c - a);
+        if (normal.length2() > 0)
+            core.halfWidth = std::min(core.halfWidth, btFabs(normal.normalized().dot(a - centre)));
+    }
+    if (!(core.halfWidth > SIMD_EPSILON * centre.distance(points[0])))
+        return core;
+    core.mesh.reset(new qcMeshShape(points.data(), qcBulletPositions, sizeof(btVector3), uint32_t(points.size()),
+                                    indices.data(), uint32_t(indices.size() / 3)));
+    core.mesh->setMargin(0);
+    core.hull.reset(new qcSupportMesh(core.mesh.get()));
+    return core;
+}
+} // namespace
+
+void qcConvexCores::BeginStep()
+{
+    m_step++;
+    for (auto entry = m_entries.begin(); m_step % s_keptCores == 0 && entry != m_entries.end();)
+        entry = m_step - entry->second.step > s_keptCores ? m_entries.erase(entry) : std::next(entry);
+}
+
+const qcConvexCore& qcConvexCores::Find(const btConvexShape* shape)
+{
+    Entry& entry = m_entries[shape];
+    const uint64_t revision = qcMixHash(qcMeshRevision(shape), uint64_t(shape->getShapeType()) + 1);
+    if (entry.revision != revision)
+    {
+        entry.core = MakeCore(shape);
+        entry.revision = revision;
+    }
+    entry.step = m_step;
+    return entry.core;
+}

@@ -1,0 +1,43 @@
+// Cores of convex shapes: polyhedra inside of them that pass no mesh, however fast the shapes' bodies are.
+#ifndef QC_GLUE_MESH_CONTACT_CONVEX_CORES_H
+#define QC_GLUE_MESH_CONTACT_CONVEX_CORES_H
+
+#include "common/support_mesh.h"
+
+#include <BulletCollision/CollisionShapes/btConvexShape.h>
+
+#include <memory>
+#include <unordered_map>
+
+/// The core of a convex shape, in the shape's frame: nine tenths of the hull of its outermost points along some
+/// directions.
+struct qcConvexCore
+{
+    std::unique_ptr<qcMeshShape> mesh; ///< null: the shape is flat, empty or not finite
+    std::unique_ptr<qcSupportMesh> hull;
+    btScalar halfWidth = 0; ///< least distance of the mesh's faces from its centre
+};
+
+/// Keeps the cores that have been used lately.
+class qcConvexCores
+{
+  public:
+    /// Begins a step.
+    void BeginStep();
+    /// The core, made anew if the shape's kind, scaling, margin or box is not as it was. Valid until the next
+    /// BeginStep.
+    const qcConvexCore& Find(const btConvexShape* shape);
+
+  private:
+    struct Entry
+    {
+        uint64_t revision = 0;
+        uint64_t step = 0; ///< the last one that used it
+        qcConvexCore core;
+    };
+
+    std::unordered_map<const btConvexShape*, Entry> m_entries;
+    uint64_t m_step = 0;
+};
+
+#endif

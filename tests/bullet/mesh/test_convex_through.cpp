@@ -1,0 +1,291 @@
+// Bullet's convex shapes that are fast pass no qcMeshShape: the limits stop their cores.
+#include "mesh_contact/convex_cores.h"
+
+#include "bullet/mesh/mesh_world.h"
+#include "bullet/mesh/motion_oracle.h"
+
+#include "bullet/random_numbers.h"
+
+namespace
+{
+constexpr int s_starts = 6;
+const btVector3 s_z(0, 0, 1);
+
+enum ConvexKind
+{
+    convex_sphere,
+    convex_box,
+    convex_plate,
+    convex_capsule,
+    convex_cylinder,
+    convex_cone,
+    convex_hull,
+    convex_scaled,
+    convex_compound,
+    convex_kinds
+};
+
+std::unique_ptr<btCollisionShape> MakeHull()
+{
+    std::unique_ptr<btConvexHullShape> hull(new btConvexHullShape);
+    qcRandom random(3);
+    for (int i = 0; i < 20; i++)
+        hull->addPoint(random.Vector(0.25));
+    return hull;
+}
+
+/// What the shapes of compounds and scaled shapes refer to.
+btConvexShape& Inner()
+{
+    static btBoxShape box(btVector3(btScalar(0.2), btScalar(0.1), btScalar(0.1)));
+    return box;
+}
+
+std::unique_ptr<btCollisionShape> MakeConvex(int kind)
+{
+    const btVector3 half(btScalar(0.2), btScalar(0.1), btScalar(0.3));
+    switch (kind)
+    {
+        case convex_sphere: return std::make_unique<btSphereShape>(btScalar(0.2));
+        case convex_box: return std::make_unique<btBoxShape>(half);
+        case convex_plate: return std::make_unique<btBoxShape>(btVector3(btScalar(0.3), btScalar(0.01), btScalar(0.3)));
+        case convex_capsule: return std::make_unique<btCapsuleShape>(btScalar(0.1), btScalar(0.4));
+        case convex_cylinder: return std::make_unique<btCylinderShape>(half);
+        case convex_cone: return std::make_unique<btConeShape>(btScalar(0.2), btScalar(0.5));
+        case convex_hull: return MakeHull();
+        case convex_scaled: return std::make_unique<btUniformScalingShape>(&Inner(), btScalar(1.5));
+        default: break;
+    }
+    auto compound = std::make_unique<btCompoundShape>();
+    for (int side = -1; side <= 1; side += 2)
+        compound->addChildShape(btTransform(btQuaternion::getIdentity(), btVector3(btScalar(0.3 * side), 0, 0)),
+                                &Inner());
+    return compound;
+}
+
+/// The cores of a shape as one model.
+qcModel CoreModel(const btCollisionShape* shape)
+{
+    qcConvexCores cores;
+    qcModel model;
+    auto add = [&](const btConvexShape* convex, const btTransform& place)
+    {
+        const qcConvexCore& core = cores.Find(convex);
+        ck_assert_ptr_nonnull(core.mesh.get());
+        ck_assert_double_gt(double(core.halfWidth), 0);
+        qcModel part;
+        for (uint32_t i = 0; i < core.mesh->getVertexCount(); i++)
+        {
+            const btVector3& vertex = core.mesh->getVertices()[i];
+            part.Add(double(vertex.x()), double(vertex.y()), double(vertex.z()));
+        }
+        part.indices.assign(core.mesh->getIndices(),
+                            core.mesh->getIndices() + 3 * size_t(core.mesh->getTriangleCount()));
+        part.Move(place);
+        model.Append(part);
+    };
+    if (!shape->isCompound())
+        add(static_cast<const btConvexShape*>(shape), btTransform::getIdentity());
+    else
+        for (int i = 0; i < static_cast<const btCompoundShape*>(shape)->getNumChildShapes(); i++)
+            add(static_cast<const btConvexShape*>(static_cast<const btCompoundShape*>(shape)->getChildShape(i)),
+                static_cast<const btCompoundShape*>(shape)->getChildTransform(i));
+    return model;
+}
+
+qcModel WallModel()
+{
+    return qcBoxModel(btVector3(5, 5, btScalar(0.005)), 6);
+}
+
+double EnergyOf(const qcMeshWorld& world)
+{
+    double energy = world.KineticEnergy();
+    for (const auto& body : world.bodies)
+        if (!body->isStaticObject())
+            energy -= double(body->getGravity().dot(body->getWorldTransform().getOrigin()) / body->getInvMass());
+    return energy;
+}
+
+START_TEST(a_core_is_inside_its_shape)
+{
+    std::unique_ptr<btCollisionShape> shape = MakeConvex(_i);
+    if (shape->isCompound())
+        return;
+    const auto& convex = static_cast<const btConvexShape&>(*shape);
+    const qcModel core = CoreModel(shape.get());
+    qcRandom random(1);
+    for (int i = 0; i < 500; i++)
+    {
+        const btVector3 direction = random.Vector(1).normalized();
+        btScalar largest = -BT_LARGE_FLOAT;
+        for (size_t k = 0; k < core.positions.size(); k += 3)
+            largest = std::max(
+                largest, direction.dot(btVector3(core.positions[k], core.positions[k + 1], core.positions[k + 2])));
+        ck_assert_double_lt(double(largest), double(direction.dot(convex.localGetSupportingVertex(direction))));
+    }
+    // Closed: each edge twice.
+    std::map<std::pair<uint32_t, uint32_t>, int> edges;
+    for (size_t i = 0; i < core.indices.size(); i++)
+        edges[std::minmax(core.indices[i], core.indices[i % 3 == 2 ? i - 2 : i + 1])]++;
+    for (const auto& edge : edges)
+        ck_assert_int_eq(edge.second, 2);
+}
+END_TEST
+
+START_TEST(a_core_follows_changes_of_its_shape)
+{
+    qcConvexCores cores;
+    btBoxShape box(btVector3(1, 1, 1));
+    ck_assert_double_eq_tol(double(cores.Find(&box).halfWidth), 0.9, 1e-5);
+    box.setLocalScaling(btVector3(1, btScalar(0.5), 1));
+    ck_assert_double_eq_tol(double(cores.Find(&box).halfWidth), 0.45, 1e-5);
+    btConvexHullShape flat;
+    for (int i = 0; i < 4; i++)
+        flat.addPoint(btVector3(btScalar(i % 2), btScalar(i / 2), 0));
+    flat.setMargin(0);
+    ck_assert_ptr_null(cores.Find(&flat).mesh.get());
+}
+END_TEST
+
+START_TEST(fast_convex_shapes_pass_no_mesh)
+{
+    std::unique_ptr<btCollisionShape> shape = MakeConvex(_i);
+    const qcModel core = CoreModel(shape.get()), wall = WallModel(), floor = qcFloorModel(30, 10);
+    int limited = 0;
+    for (unsigned start = 1; start <= s_starts; start++)
+        for (btScalar speed : {btScalar(10), btScalar(60), btScalar(300)})
+        {
+            qcRandom random(start);
+            qcMeshWorld world;
+            qcMotionOracle oracle;
+            constexpr uint32_t fixed = 1;
+            oracle.Add(floor, world.Add(world.Keep(floor.MakeShape()), 0, btVector3(0, 0, 0)), fixed);
+            // Every other wall gives way.
+            btRigidBody* target = world.Add(world.Keep(wall.MakeShape()), start % 2 == 0 ? btScalar(0) : btScalar(20),
+                                            btVector3(0, 6, -3));
+            oracle.Add(wall, target, fixed);
+            const btQuaternion turn(random.Vector(1).normalized(), random.Number(0, 3));
+            btRigidBody* thrown = world.Add(shape.get(), 1, btTransform(turn, btVector3(0, 3, 1) + random.Vector(0.5)));
+            oracle.Add(core, thrown);
+            thrown->setLinearVelocity(-speed * s_z + random.Vector(1));
+            thrown->setAngularVelocity(random.Vector(15));
+            const double energy = EnergyOf(world);
+            for (int step = 0; step < 60; step++)
+            {
+                world.Step();
+                limited += world.contact.getStatistics().limited;
+                ck_assert_int_eq(world.contact.getStatistics().unproven, 0);
+                ck_assert_uint_eq(oracle.Count(), 0);
+                // Bullet's integration of bodies that spin at a thousand radians a second gains energy.
+                ck_assert(speed > 10 || EnergyOf(world) <= energy * 1.01);
+            }
+        }
+    ck_assert_int_gt(limited, 0);
+}
+END_TEST
+
+START_TEST(a_fast_kinematic_mesh_takes_along_a_convex_shape)
+{
+    std::unique_ptr<btCollisionShape> shape = MakeConvex(_i);
+    const qcModel core = CoreModel(shape.get()), wall = WallModel();
+    qcMeshWorld world;
+    world.world.setGravity(btVector3(0, 0, 0));
+    btRigidBody *swept = world.Add(shape.get(), 1, btVector3(0, 0, 0)),
+                *mover = world.Add(world.Keep(wall.MakeShape()), 0, btVector3(0, 0, 3));
+    mover->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+    mover->setActivationState(DISABLE_DEACTIVATION);
+    qcMotionOracle oracle;
+    oracle.Add(core, swept);
+    oracle.Add(wall, mover);
+    for (int step = 1; step <= 10; step++)
+    {
+        mover->setWorldTransform(
+            btTransform(btQuaternion::getIdentity(), btVector3(0, 0, btScalar(3) - btScalar(0.7) * btScalar(step))));
+        world.Step();
+        ck_assert_uint_eq(oracle.Count(), 0);
+    }
+    ck_assert_double_lt(double(swept->getWorldTransform().getOrigin().z()), -3.9);
+}
+END_TEST
+
+enum Exemption
+{
+    exemption_none,
+    exemption_trigger,
+    exemption_filter,
+    exemption_ignored,
+    exemption_callback,
+    exemption_kinds
+};
+
+void LeaveOut(btBroadphasePair&, btCollisionDispatcher&, const btDispatcherInfo&)
+{
+}
+
+START_TEST(a_convex_shape_passes_only_what_it_does_not_collide_with)
+{
+    // Slow, so that their boxes overlap for a step at least.
+    qcMeshWorld world;
+    world.world.setGravity(btVector3(0, 0, 0));
+    if (_i == exemption_callback)
+        world.dispatcher.setNearCallback(LeaveOut);
+    btRigidBody* target = world.Add(world.Keep(WallModel().MakeShape()), 0, btVector3(0, 0, -1));
+    btRigidBody* thrown = world.Add(world.Keep(MakeConvex(convex_sphere)), 1, btVector3(0, 0, 1));
+    if (_i == exemption_trigger)
+        thrown->setCollisionFlags(btCollisionObject::CF_NO_CONTACT_RESPONSE);
+    if (_i == exemption_ignored)
+        thrown->setIgnoreCollisionCheck(target, true);
+    if (_i == exemption_filter)
+    {
+        world.world.removeRigidBody(thrown);
+        world.world.addRigidBody(thrown, 2, 2);
+    }
+    thrown->setLinearVelocity(-10 * s_z);
+    int limited = 0;
+    for (int step = 0; step < 60; step++)
+    {
+        world.Step();
+        limited += world.contact.getStatistics().limited;
+    }
+    const double z = double(thrown->getWorldTransform().getOrigin().z());
+    if (_i == exemption_none)
+        ck_assert_double_gt(z, -1);
+    else
+    {
+        ck_assert_double_lt(z, -5);
+        ck_assert_int_eq(limited, 0);
+    }
+}
+END_TEST
+
+START_TEST(slow_convex_shapes_are_left_to_bullet)
+{
+    qcMeshWorld world;
+    world.Add(world.Keep(qcFloorModel(4, 8).MakeShape()), 0, btVector3(0, 0, 0));
+    btCollisionShape* box = world.Keep(MakeConvex(convex_box));
+    for (int i = 0; i < 4; i++)
+        world.Add(box, 1, btVector3(0, btScalar(0.12) + btScalar(0.22) * btScalar(i), 0));
+    for (int step = 0; step < 120; step++)
+    {
+        world.Step();
+        ck_assert_int_eq(world.contact.getStatistics().limited, 0);
+    }
+}
+END_TEST
+} // namespace
+
+QC_TEST_MAIN()
+{
+    Suite* suite = suite_create("convex_through");
+    TCase* tests = tcase_create("convex_through");
+    tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
+    tcase_add_loop_test(tests, a_core_is_inside_its_shape, 0, convex_kinds);
+    tcase_add_test(tests, a_core_follows_changes_of_its_shape);
+    tcase_add_loop_test(tests, fast_convex_shapes_pass_no_mesh, 0, convex_kinds);
+    tcase_add_loop_test(tests, a_fast_kinematic_mesh_takes_along_a_convex_shape, 0, convex_kinds);
+    tcase_add_loop_test(tests, a_convex_shape_passes_only_what_it_does_not_collide_with, 0, exemption_kinds);
+    tcase_add_test(tests, slow_convex_shapes_are_left_to_bullet);
+    suite_add_tcase(suite, tests);
+    return qcRunSuite(suite);
+}
