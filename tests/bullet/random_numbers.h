@@ -6,10 +6,10 @@
 
 #include <random>
 
-class qcRandom
+class qcRandomNumbers
 {
   public:
-    explicit qcRandom(unsigned start) : m_engine(start)
+    explicit qcRandomNumbers(unsigned start) : m_engine(start)
     {
     }
     btScalar Number(double lowest, double highest)

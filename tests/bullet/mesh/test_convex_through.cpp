@@ -28,7 +28,7 @@ enum ConvexKind
 std::unique_ptr<btCollisionShape> MakeHull()
 {
     std::unique_ptr<btConvexHullShape> hull(new btConvexHullShape);
-    qcRandom random(3);
+    qcRandomNumbers random(3);
     for (int i = 0; i < 20; i++)
         hull->addPoint(random.Vector(0.25));
     return hull;
@@ -114,7 +114,7 @@ START_TEST(a_core_is_inside_its_shape)
         return;
     const auto& convex = static_cast<const btConvexShape&>(*shape);
     const qcModel core = CoreModel(shape.get());
-    qcRandom random(1);
+    qcRandomNumbers random(1);
     for (int i = 0; i < 500; i++)
     {
         const btVector3 direction = random.Vector(1).normalized();
@@ -156,7 +156,7 @@ START_TEST(fast_convex_shapes_pass_no_mesh)
     for (unsigned start = 1; start <= s_starts; start++)
         for (btScalar speed : {btScalar(10), btScalar(60), btScalar(300)})
         {
-            qcRandom random(start);
+            qcRandomNumbers random(start);
             qcMeshWorld world;
             qcMotionOracle oracle;
             constexpr uint32_t fixed = 1;

@@ -148,7 +148,7 @@ struct JointWorld
 };
 
 /// Adds bodies side by side along the x axis, each joined to the one before.
-void AddChain(JointWorld* made, qcRandom* random, uint32_t chain, const btVector3& velocity)
+void AddChain(JointWorld* made, qcRandomNumbers* random, uint32_t chain, const btVector3& velocity)
 {
     btVector3 end(random->Number(-1, 1), btScalar(0.6) + btScalar(0.8) * btScalar(chain), random->Number(0, 2));
     const int count = int(random->Number(2, 8)), kind = int(random->Number(0, joint_kinds));
@@ -172,7 +172,7 @@ void AddChain(JointWorld* made, qcRandom* random, uint32_t chain, const btVector
 
 START_TEST(joined_meshes_thrown_at_thin_walls_pass_nothing)
 {
-    qcRandom random(unsigned(_i + 1));
+    qcRandomNumbers random(unsigned(_i + 1));
     JointWorld made(int(random.Number(0, 3)));
     const btScalar speed = random.Number(0, 2) < 1 ? random.Number(5, 80) : random.Number(0, 3);
     for (uint32_t chain = 1; chain <= 3; chain++)

@@ -39,7 +39,7 @@ std::array<double, 9> LinkOf(const NodePositions& positions, size_t link)
 }
 
 /// A chain of six nodes along `direction`, crooked by `noise`, far from the origin.
-NodePositions MakeChain(qcRandom& random, const btVector3& direction, double noise)
+NodePositions MakeChain(qcRandomNumbers& random, const btVector3& direction, double noise)
 {
     NodePositions chain;
     const btVector3 place = random.Vector(50);
@@ -66,7 +66,7 @@ START_TEST(boxes_that_overlap_another_one_are_found)
     int found[2] = {0, 0};
     for (unsigned run = 1; run <= 500; run++)
     {
-        qcRandom random(run);
+        qcRandomNumbers random(run);
         std::vector<Box> boxes;
         qcMotionBoxes motion;
         for (int i = 0; i < 20; i++)
@@ -99,7 +99,7 @@ START_TEST(links_of_a_stretched_chain_are_apart_over_the_step)
     int found[2] = {0, 0};
     for (unsigned run = 1; run <= 4000; run++)
     {
-        qcRandom random(run);
+        qcRandomNumbers random(run);
         btVector3 direction = random.Vector(1);
         const double noise = double(random.Number(0, 0.6));
         NodePositions start = MakeChain(random, direction + random.Vector(noise), noise),
@@ -142,7 +142,7 @@ END_TEST
 
 START_TEST(a_motion_box_holds_the_motion_and_its_reach)
 {
-    qcRandom random(1);
+    qcRandomNumbers random(1);
     for (int i = 0; i < 200; i++)
     {
         NodePositions start = MakeChain(random, random.Vector(1), 1), end = MakeChain(random, random.Vector(1), 1);

@@ -31,7 +31,7 @@ struct Body
 };
 
 /// Small triangles around a place, moved by `motion` from the start and by half of it to the end, with noise at both.
-Body MakeBody(qcRandom& random, const btVector3& place, double noise, const btVector3& motion)
+Body MakeBody(qcRandomNumbers& random, const btVector3& place, double noise, const btVector3& motion)
 {
     Body body;
     body.thickness = random.Number(0.1, 0.4);
@@ -98,7 +98,7 @@ START_TEST(each_pair_of_bodies_that_is_kept_apart_has_certificates)
     int kept[2] = {0, 0}, left[2] = {0, 0};
     for (unsigned start = 1; start <= 4000; start++)
     {
-        qcRandom random(start);
+        qcRandomNumbers random(start);
         double noise = double(random.Number(0, 0.12));
         btVector3 motion = random.Vector(3);
         Body bodies[2] = {MakeBody(random, btVector3(0, 0, 0), noise, motion),
@@ -126,7 +126,7 @@ END_TEST
 
 START_TEST(what_is_near_moved_away_or_not_recorded_is_not_kept_apart)
 {
-    qcRandom random(1);
+    qcRandomNumbers random(1);
     const btVector3 still(0, 0, 0);
     Body bodies[2] = {MakeBody(random, still, 0, still), MakeBody(random, btVector3(9, 0, 0), 0, still)};
     qcSoftClearance clearance;
