@@ -1,4 +1,5 @@
-// The objects of a world that hold meshes, with their motion in a step, and the pairs whose motions overlap.
+// The objects of a world that hold meshes, and its fast convex shapes, with their motion in a step, and the pairs whose
+// motions overlap.
 #include "mesh_contact/swept_objects.h"
 
 #include "common/compound_children.h"

@@ -8,7 +8,7 @@ namespace
 // Two faces may touch if the cosine between their normals is less than this, and their planes are nearer to each other
 // than this part of the meshes' size.
 constexpr btScalar s_opposite = btScalar(-0.9999), s_nearPlane = btScalar(0.01);
-// As many vertices as a face of a piece has, but for large ones.
+// Most faces of pieces have no more vertices.
 constexpr size_t s_fewVertices = 16;
 
 /// A vertex that two meshes have in common, up to rounding.

@@ -192,7 +192,7 @@ END_TEST
 enum Exemption
 {
     exemption_none,
-    exemption_joint,   ///< addConstraint is told that linked bodies don't collide
+    exemption_joint,   ///< by the second argument of addConstraint
     exemption_ignored, ///< setIgnoreCollisionCheck
     exemption_kinds
 };
