@@ -2,6 +2,7 @@
 #ifndef QC_GLUE_MESH_CONTACT_CONVEX_CORES_H
 #define QC_GLUE_MESH_CONTACT_CONVEX_CORES_H
 
+#include "common/compound_children.h"
 #include "common/support_mesh.h"
 
 #include <BulletCollision/CollisionShapes/btConvexShape.h>
@@ -27,6 +28,19 @@ class qcConvexCores
     /// The core, made anew if the shape's kind, scaling, margin or box is not as it was. Valid until the next
     /// BeginStep.
     const qcConvexCore& Find(const btConvexShape* shape);
+    /// Calls function(core, place) for the cores of a shape's convex parts; `place`: in the shape's frame.
+    template <typename Function> void ForEachCore(const btCollisionShape* shape, const Function& function)
+    {
+        auto find = [this, &function](const btCollisionShape* simple, const btTransform& place)
+        {
+            if (!simple->isConvex())
+                return;
+            const qcConvexCore& core = Find(static_cast<const btConvexShape*>(simple));
+            if (core.mesh != nullptr)
+                function(core, place);
+        };
+        qcForEachSimpleShape(shape, btTransform::getIdentity(), find);
+    }
 
   private:
     struct Entry

@@ -1,7 +1,6 @@
 // A mesh of an object in the scene of motions.
 #include "mesh_contact/swept_mesh.h"
 
-#include "common/compound_children.h"
 #include "common/moved_vertices.h"
 #include "quickcullide/hash.h"
 
@@ -73,15 +72,10 @@ std::vector<qcBatchMesh> qcCollectSwept(const btCollisionShape* shape, qcConvexC
 {
     std::vector<qcBatchMesh> swept;
     qcCollectMeshes(shape, btTransform::getIdentity(), &swept);
-    auto addCore = [&swept, cores](const btCollisionShape* simple, const btTransform& place)
-    {
-        const qcConvexCore* core =
-            simple->isConvex() ? &cores->Find(static_cast<const btConvexShape*>(simple)) : nullptr;
-        if (core != nullptr && core->mesh != nullptr)
-            qcCollectMeshes(core->mesh.get(), place, &swept);
-    };
+    auto addCore = [&swept](const qcConvexCore& core, const btTransform& place)
+    { qcCollectMeshes(core.mesh.get(), place, &swept); };
     if (cores != nullptr)
-        qcForEachSimpleShape(shape, btTransform::getIdentity(), addCore);
+        cores->ForEachCore(shape, addCore);
     return swept;
 }
 

@@ -48,21 +48,6 @@ bool IsIntegrated(const btRigidBody& body)
            qcAreSame(body.getInterpolationAngularVelocity(), body.getAngularVelocity());
 }
 
-/// Calls function(core) for each core of the shape.
-template <typename Function>
-void ForEachCore(const btCollisionShape* shape, qcConvexCores* cores, const Function& function)
-{
-    auto find = [cores, &function](const btCollisionShape* simple, const btTransform&)
-    {
-        if (!simple->isConvex())
-            return;
-        const qcConvexCore& core = cores->Find(static_cast<const btConvexShape*>(simple));
-        if (core.mesh != nullptr)
-            function(core);
-    };
-    qcForEachSimpleShape(shape, btTransform::getIdentity(), find);
-}
-
 bool IsBelow(const btVector3& a, const btVector3& b)
 {
     return a.x() <= b.x() && a.y() <= b.y() && a.z() <= b.z();
@@ -282,8 +267,8 @@ bool qcSweptObjects::TakesCores(const btCollisionObject* object)
     if (travel <= s_slowMotion * gContactBreakingThreshold)
         return false;
     bool isFast = false;
-    ForEachCore(shape, &m_cores,
-                [&](const qcConvexCore& core) { isFast = isFast || travel > s_slowPart * core.halfWidth; });
+    m_cores.ForEachCore(shape, [&](const qcConvexCore& core, const btTransform&)
+                        { isFast = isFast || travel > s_slowPart * core.halfWidth; });
     return isFast;
 }
 
@@ -300,7 +285,7 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
     if (takesCores && swept.isNew)
         swept.wasActive = object->isActive();
     swept.halfWidth = swept.hasMesh ? btScalar(0) : BT_LARGE_FLOAT;
-    auto addCore = [&swept, object](const qcConvexCore& core)
+    auto addCore = [&swept, object](const qcConvexCore& core, const btTransform&)
     {
         swept.hasMesh = true;
         swept.halfWidth = std::min(swept.halfWidth, core.halfWidth);
@@ -308,7 +293,7 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
             swept.hull = core.hull.get();
     };
     if (takesCores)
-        ForEachCore(object->getCollisionShape(), &m_cores, addCore);
+        m_cores.ForEachCore(object->getCollisionShape(), addCore);
     swept.target = swept.end = object->getWorldTransform();
     FindFloors(&swept);
     swept.carried = swept.start;

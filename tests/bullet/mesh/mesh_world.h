@@ -102,6 +102,16 @@ struct qcMeshWorld
         ck_assert_int_eq(contact.getStatistics().status, qc_statusOk);
     }
 
+    /// Kinetic, and of gravity.
+    double Energy() const
+    {
+        double energy = KineticEnergy();
+        for (const auto& body : bodies)
+            if (!body->isStaticObject())
+                energy -= double(body->getGravity().dot(body->getWorldTransform().getOrigin()) / body->getInvMass());
+        return energy;
+    }
+
     double KineticEnergy() const
     {
         double energy = 0;
