@@ -8,7 +8,7 @@
 
 namespace
 {
-constexpr int s_starts = 6;
+constexpr int s_starts = 6, s_crowds = 60;
 const btVector3 s_z(0, 0, 1);
 
 enum ConvexKind
@@ -170,6 +170,55 @@ START_TEST(fast_convex_shapes_pass_no_mesh)
 }
 END_TEST
 
+/// True if a segment passes through a rectangle at right angles to z.
+bool Passes(const btVector3& from, const btVector3& to, const btVector3& centre, btScalar half)
+{
+    if ((from.z() > centre.z()) == (to.z() > centre.z()))
+        return false;
+    const btVector3 at = from.lerp(to, (centre.z() - from.z()) / (to.z() - from.z())) - centre;
+    return btFabs(at.x()) < half && btFabs(at.y()) < half;
+}
+
+START_TEST(fast_convex_shapes_that_push_each_other_pass_no_mesh)
+{
+    // What others push at a wall spins by more than half a turn in a step.
+    const qcModel wall = WallModel();
+    int limited = 0;
+    for (unsigned start = 1; start <= s_crowds; start++)
+    {
+        qcRandomNumbers random(start);
+        qcMeshWorld world;
+        world.world.setGravity(btVector3(0, 0, 0));
+        world.Add(world.Keep(wall.MakeShape()), 0, btVector3(0, 0, -3));
+        const btScalar speed = random.Number(20, 150);
+        for (int i = 0; i < 14; i++)
+        {
+            const btQuaternion turn(random.Vector(1).normalized(), random.Number(0, 3));
+            btRigidBody* thrown =
+                world.Add(world.Keep(MakeConvex(i % convex_kinds)), random.Number(0.2, 5),
+                          btTransform(turn, random.Vector(0.6) + btVector3(0, 0, btScalar(0.25) * btScalar(i))));
+            thrown->setLinearVelocity(-speed * s_z + random.Vector(1));
+            thrown->setAngularVelocity(random.Vector(9));
+        }
+        std::vector<btVector3> last;
+        for (const auto& body : world.bodies)
+            last.push_back(body->getWorldTransform().getOrigin());
+        for (int step = 0; step < 40; step++)
+        {
+            world.Step();
+            limited += world.contact.getStatistics().limited;
+            for (size_t i = 1; i < world.bodies.size(); i++)
+            {
+                const btVector3& now = world.bodies[i]->getWorldTransform().getOrigin();
+                ck_assert(!Passes(last[i], now, btVector3(0, 0, -3), btScalar(4.5)));
+                last[i] = now;
+            }
+        }
+    }
+    printf("crowds at a wall: %d bodies limited\n", limited);
+}
+END_TEST
+
 START_TEST(a_fast_kinematic_mesh_takes_along_a_convex_shape)
 {
     std::unique_ptr<btCollisionShape> shape = MakeConvex(_i);
@@ -275,6 +324,7 @@ QC_TEST_MAIN()
     tcase_add_loop_test(tests, a_core_is_inside_its_shape, 0, convex_kinds);
     tcase_add_test(tests, a_core_follows_changes_of_its_shape);
     tcase_add_loop_test(tests, fast_convex_shapes_pass_no_mesh, 0, convex_kinds);
+    tcase_add_test(tests, fast_convex_shapes_that_push_each_other_pass_no_mesh);
     tcase_add_loop_test(tests, a_fast_kinematic_mesh_takes_along_a_convex_shape, 0, convex_kinds);
     tcase_add_loop_test(tests, a_convex_shape_passes_only_what_it_does_not_collide_with, 0, exemption_kinds);
     tcase_add_test(tests, slow_convex_shapes_are_left_to_bullet);
