@@ -14,7 +14,7 @@ namespace
 {
 // Contact lets bodies penetrate a little: a core has to be further inside.
 constexpr btScalar s_coreSize = btScalar(0.9);
-// Cores and what is in them of a scene are kept for this many steps after their last use.
+// Cores are kept for this many steps after their last use.
 constexpr uint64_t s_keptCores = 64;
 
 /// The hull of a shape's outermost points along the diagonals of a cube, and along its axes in between.
