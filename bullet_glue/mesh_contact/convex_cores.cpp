@@ -2,10 +2,9 @@
 #include "mesh_contact/convex_cores.h"
 
 #include "common/hash_table.h"
+#include "common/hull_faces.h"
 #include "common/shape_triangles.h"
 #include "quickcullide/bullet_positions.h"
-
-#include <LinearMath/btConvexHullComputer.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,16 +16,10 @@ constexpr btScalar s_coreSize = btScalar(0.9);
 // Cores are kept for this many steps after their last use.
 constexpr uint64_t s_keptCores = 64;
 
-/// The hull of a shape's outermost points along the diagonals of a cube, and along its axes in between.
 btConvexHullComputer HullOf(const btConvexShape* shape)
 {
-    std::vector<btVector3> points;
-    for (int i = 0; i < 27; i++)
-    {
-        const btVector3 direction(btScalar(i % 3 - 1), btScalar(i / 3 % 3 - 1), btScalar(i / 9 - 1));
-        if (i != 13)
-            points.push_back(shape->localGetSupportingVertex(direction.normalized()));
-    }
+    const std::vector<btVector3> points =
+        qcOutermostPoints([shape](const btVector3& direction) { return shape->localGetSupportingVertex(direction); });
     btConvexHullComputer hull;
     const bool isFinite =
         std::all_of(points.begin(), points.end(),
@@ -36,26 +29,13 @@ btConvexHullComputer HullOf(const btConvexShape* shape)
     return hull;
 }
 
-/// Three indices a triangle.
-std::vector<uint32_t> TrianglesOf(const btConvexHullComputer& hull)
-{
-    std::vector<uint32_t> indices;
-    for (int face = 0; face < hull.faces.size(); face++)
-    {
-        const btConvexHullComputer::Edge* first = &hull.edges[hull.faces[face]];
-        const btConvexHullComputer::Edge* edge = first->getNextEdgeOfFace();
-        for (; edge->getTargetVertex() != first->getSourceVertex(); edge = edge->getNextEdgeOfFace())
-            indices.insert(indices.end(), {uint32_t(first->getSourceVertex()), uint32_t(edge->getSourceVertex()),
-                                           uint32_t(edge->getTargetVertex())});
-    }
-    return indices;
-}
-
 qcConvexCore MakeCore(const btConvexShape* shape)
 {
     qcConvexCore core;
     const btConvexHullComputer hull = HullOf(shape);
-    const std::vector<uint32_t> indices = TrianglesOf(hull);
+    std::vector<uint32_t> indices;
+    for (int face = 0; face < hull.faces.size(); face++)
+        qcAddTriangles(qcCornersOfFace(hull, face), &indices);
     if (hull.vertices.size() < 4 || indices.empty())
         return core;
     btVector3 centre(0, 0, 0);

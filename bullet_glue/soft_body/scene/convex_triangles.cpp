@@ -1,13 +1,14 @@
 // Triangles of convex shapes: boxes, surfaces of revolution, and hulls of points found by the support function.
 #include "soft_body/scene/convex_triangles.h"
 
+#include "common/hull_faces.h"
+
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <BulletCollision/CollisionShapes/btCapsuleShape.h>
 #include <BulletCollision/CollisionShapes/btConeShape.h>
 #include <BulletCollision/CollisionShapes/btCylinderShape.h>
 #include <BulletCollision/CollisionShapes/btPolyhedralConvexShape.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
-#include <LinearMath/btConvexHullComputer.h>
 
 #include <algorithm>
 #include <cmath>
@@ -153,12 +154,8 @@ std::vector<Face> FacesOf(const std::vector<btVector3>& points)
     for (int f = 0; f < hull.faces.size(); f++)
     {
         Face face;
-        const btConvexHullComputer::Edge *first = &hull.edges[hull.faces[f]], *edge = first;
-        do
-        {
-            face.corners.push_back(uint32_t(hull.original_vertex_index[edge->getSourceVertex()]));
-            edge = edge->getNextEdgeOfFace();
-        } while (edge != first);
+        for (uint32_t corner : qcCornersOfFace(hull, f))
+            face.corners.push_back(uint32_t(hull.original_vertex_index[int(corner)]));
         face.normal = NormalOf(points, face.corners);
         face.level = BT_LARGE_FLOAT;
         for (uint32_t corner : face.corners)
@@ -183,16 +180,6 @@ bool IsSolid(const std::vector<Face>& faces, const btVector3& center, btScalar s
            std::all_of(faces.begin(), faces.end(),
                        [&](const Face& face)
                        { return face.normal.isZero() || face.level - face.normal.dot(center) > s_flat * size; });
-}
-
-std::vector<btVector3> FirstPoints(const Support& support)
-{
-    std::vector<btVector3> points;
-    for (int i = 0; i < 27; i++)
-        if (i != 13)
-            points.push_back(
-                support(btVector3(btScalar(i % 3 - 1), btScalar(i / 3 % 3 - 1), btScalar(i / 9 - 1)).normalized()));
-    return points;
 }
 
 /// Adds a point of the body in each direction in which it is outside of the hull by more than `error`. False: none.
@@ -227,16 +214,14 @@ void AddFaces(const std::vector<Face>& faces, const std::vector<btVector3>& poin
 {
     triangles->points = points;
     for (const Face& face : faces)
-        for (size_t i = 1; i + 1 < face.corners.size(); i++)
-            triangles->indices.insert(triangles->indices.end(),
-                                      {face.corners[0], face.corners[i], face.corners[i + 1]});
+        qcAddTriangles(face.corners, &triangles->indices);
 }
 
 /// The hull of points of the body. If it comes within the radius of the body's ball in all directions, it contains the
 /// shape. False: it is flat.
 bool MakeHull(const Support& support, btScalar size, qcConvexTriangles* triangles)
 {
-    std::vector<btVector3> points = FirstPoints(support);
+    std::vector<btVector3> points = qcOutermostPoints(support);
     std::vector<Face> faces = FacesOf(points);
     while (Refine(support, faces, support.ball, &points))
         faces = FacesOf(points);
