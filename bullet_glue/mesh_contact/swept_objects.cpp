@@ -113,8 +113,8 @@ void qcSweptObjects::FindStart(btScalar timeStep, qcSweptObject* swept)
     btTransform expected;
     btTransformUtil::integrateTransform(swept->start, linear, angular, timeStep, expected);
     btScalar radius = swept->object->getCollisionShape()->getAngularMotionDisc();
-    // Bullet's split impulses move bodies by more than their velocities: what is in contact, turns fast and has no mark
-    // is still where it was.
+    // Split impulses move bodies by more than their velocities do, and turn them most. The start of a convex shape is
+    // often not marked: it counts as put elsewhere only if its origin is.
     const bool isExplained =
         swept->cores != nullptr
             ? expected.getOrigin().distance(swept->target.getOrigin()) <= gContactBreakingThreshold + radius / 2

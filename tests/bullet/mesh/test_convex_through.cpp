@@ -253,10 +253,6 @@ enum Exemption
     exemption_kinds
 };
 
-void LeaveOut(btBroadphasePair&, btCollisionDispatcher&, const btDispatcherInfo&)
-{
-}
-
 START_TEST(a_convex_shape_passes_only_what_it_does_not_collide_with)
 {
     // From afar, slow enough for the boxes to overlap in some step, and from so near that it would pass in the first
@@ -266,7 +262,7 @@ START_TEST(a_convex_shape_passes_only_what_it_does_not_collide_with)
         qcMeshWorld world;
         world.world.setGravity(btVector3(0, 0, 0));
         if (_i == exemption_callback)
-            world.dispatcher.setNearCallback(LeaveOut);
+            world.dispatcher.setNearCallback([](btBroadphasePair&, btCollisionDispatcher&, const btDispatcherInfo&) {});
         btRigidBody* target = world.Add(world.Keep(WallModel().MakeShape()), 0, btVector3(0, 0, -1));
         // With contact of meshes in the step, starts of bodies are marked.
         world.Add(world.Keep(qcCubeModel().MakeShape()), 1, btVector3(3, 0, btScalar(-0.47)));
