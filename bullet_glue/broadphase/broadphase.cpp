@@ -3,6 +3,7 @@
 
 #include "broadphase/broadphase_recorder.h"
 #include "broadphase/pair_cache_sync.h"
+#include "common/finite.h"
 
 #include <LinearMath/btIDebugDraw.h>
 
@@ -19,11 +20,6 @@ struct qcBroadphase::Data : qcPairCacheSync
 
 namespace
 {
-bool IsFinite(const btVector3& point)
-{
-    return std::isfinite(point.x()) && std::isfinite(point.y()) && std::isfinite(point.z());
-}
-
 /// The path of a box cast: its ends, and the extents of the box.
 struct Path
 {
@@ -254,7 +250,7 @@ void qcBroadphase::debugDraw(btIDebugDraw* drawer) const
     for (int i = 0; i < m_data->GetProxies().GetCount(); i++)
     {
         const qcProxy* proxy = m_data->GetProxies().At(i);
-        if (IsFinite(proxy->m_aabbMin) && IsFinite(proxy->m_aabbMax))
+        if (qcIsFinite(proxy->m_aabbMin) && qcIsFinite(proxy->m_aabbMax))
             drawer->drawAabb(proxy->m_aabbMin, proxy->m_aabbMax, colors.m_aabb);
     }
     const btOverlappingPairCache* cache = m_data->GetCache();
@@ -262,7 +258,7 @@ void qcBroadphase::debugDraw(btIDebugDraw* drawer) const
     for (int i = 0; i < cache->getNumOverlappingPairs(); i++)
     {
         btVector3 from = middleOf(pairs[i].m_pProxy0), to = middleOf(pairs[i].m_pProxy1);
-        if (IsFinite(from) && IsFinite(to))
+        if (qcIsFinite(from) && qcIsFinite(to))
             drawer->drawLine(from, to, colors.m_contactPoint);
     }
     drawer->flushLines();

@@ -2,18 +2,17 @@
 #include "quickcullide/bullet_debug_draw.h"
 
 #include "common/debug_draw.h"
+#include "common/finite.h"
 #include "quickcullide/bullet_mesh.h"
 #include "quickcullide/bullet_soft_body.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace
 {
-bool IsFinite(const btVector3& v)
+bool IsDrawn(const btVector3& v)
 {
-    return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z()) &&
-           v.length2() < BT_LARGE_FLOAT * BT_LARGE_FLOAT;
+    return qcIsFinite(v) && v.length2() < BT_LARGE_FLOAT * BT_LARGE_FLOAT;
 }
 
 void DrawPoints(const btPersistentManifold& manifold, btIDebugDraw* drawer)
@@ -67,7 +66,7 @@ void DrawBoxes(const btCollisionWorld& world, btIDebugDraw* drawer)
     for (int i = 0; i < objects.size(); i++)
     {
         const btBroadphaseProxy* proxy = objects[i]->getBroadphaseHandle();
-        if (proxy != nullptr && IsFinite(proxy->m_aabbMin) && IsFinite(proxy->m_aabbMax))
+        if (proxy != nullptr && IsDrawn(proxy->m_aabbMin) && IsDrawn(proxy->m_aabbMax))
             drawer->drawAabb(proxy->m_aabbMin, proxy->m_aabbMax, colors.m_aabb);
     }
     auto middleOf = [](const btBroadphaseProxy* proxy) { return (proxy->m_aabbMin + proxy->m_aabbMax) / 2; };
@@ -76,7 +75,7 @@ void DrawBoxes(const btCollisionWorld& world, btIDebugDraw* drawer)
     for (int i = 0; i < cache->getNumOverlappingPairs(); i++)
     {
         btVector3 from = middleOf(pairs[i].m_pProxy0), to = middleOf(pairs[i].m_pProxy1);
-        if (IsFinite(from) && IsFinite(to))
+        if (IsDrawn(from) && IsDrawn(to))
             drawer->drawLine(from, to, colors.m_contactPoint);
     }
 }

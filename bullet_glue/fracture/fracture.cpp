@@ -4,6 +4,7 @@
 // of the mesh.
 #include "quickcullide/bullet_fracture.h"
 
+#include "common/finite.h"
 #include "common/mass_properties.h"
 #include "fracture/bonds.h"
 #include "fracture/cell_sites.h"
@@ -26,11 +27,6 @@ constexpr double s_minShare = 1e-9; ///< min volume of a piece relative to the m
 constexpr double s_volumeShare = 1e-12, s_volumeError = 1e-14;
 constexpr double s_minVolume = 100 * s_volumeError; ///< of a mesh: above the errors, so that wrong sums are detected
 
-bool IsFinite(const btVector3& v)
-{
-    return std::isfinite(double(v.x())) && std::isfinite(double(v.y())) && std::isfinite(double(v.z()));
-}
-
 qcFracture Fail(const std::string& message)
 {
     qcFracture failed;
@@ -46,7 +42,7 @@ std::string FindBadSite(const std::vector<btVector3>& sites)
     if (sites.empty())
         return "there is no site";
     for (size_t i = 0; i < sites.size(); i++)
-        if (!IsFinite(sites[i]))
+        if (!qcIsFinite(sites[i]))
             return "site " + std::to_string(i) + " is not finite";
     std::vector<std::pair<qcClipPoint, size_t>> sorted;
     for (size_t i = 0; i < sites.size(); i++)
@@ -69,7 +65,7 @@ std::string FindDefect(const qcFractureDef& def)
             return "index " + std::to_string(i) + " is " + std::to_string(def.indices[i]) + " of " +
                    std::to_string(def.vertices.size()) + " vertices";
     for (size_t i = 0; i < def.vertices.size(); i++)
-        if (!IsFinite(def.vertices[i]))
+        if (!qcIsFinite(def.vertices[i]))
             return "vertex " + std::to_string(i) + " is not finite";
     return FindBadSite(def.sites);
 }

@@ -1,6 +1,8 @@
 // Writes a fracture to a file.
 #include "fracture/piece_format.h"
 
+#include "common/finite.h"
+
 #include <cerrno>
 #include <cmath>
 #include <cstddef>
@@ -9,11 +11,6 @@
 
 namespace
 {
-bool IsFinite(const btVector3& v)
-{
-    return std::isfinite(double(v.x())) && std::isfinite(double(v.y())) && std::isfinite(double(v.z()));
-}
-
 /// The bytes of a file, record by record.
 class Records
 {
@@ -150,7 +147,7 @@ std::string qcFindPieceDefect(const qcPiece& piece, const qcFracture& fracture)
     if (piece.site >= fracture.siteCount)
         return "its site is " + std::to_string(piece.site) + " of " + std::to_string(fracture.siteCount);
     for (size_t i = 0; i < piece.vertices.size(); i++)
-        if (!IsFinite(piece.vertices[i]))
+        if (!qcIsFinite(piece.vertices[i]))
             return "vertex " + std::to_string(i) + " is not finite";
     for (size_t i = 0; i < piece.indices.size(); i++)
         if (piece.indices[i] >= piece.vertices.size())
@@ -165,8 +162,8 @@ std::string qcFindPieceDefect(const qcPiece& piece, const qcFracture& fracture)
                    std::to_string(count);
     }
     const btMatrix3x3& axes = piece.frame.getBasis();
-    if (!std::isfinite(piece.volume) || !IsFinite(piece.inertia) || !IsFinite(piece.frame.getOrigin()) ||
-        !IsFinite(axes[0]) || !IsFinite(axes[1]) || !IsFinite(axes[2]))
+    if (!std::isfinite(piece.volume) || !qcIsFinite(piece.inertia) || !qcIsFinite(piece.frame.getOrigin()) ||
+        !qcIsFinite(axes[0]) || !qcIsFinite(axes[1]) || !qcIsFinite(axes[2]))
         return "its volume, its inertia or its frame is not finite";
     return "";
 }
@@ -176,7 +173,7 @@ std::string qcFindBondDefect(const qcBond& bond, const qcFracture& fracture)
     if (bond.pieceA >= bond.pieceB || bond.pieceB >= fracture.pieces.size())
         return "it joins pieces " + std::to_string(bond.pieceA) + " and " + std::to_string(bond.pieceB) + " of " +
                std::to_string(fracture.pieces.size());
-    if (!(bond.area >= 0) || !std::isfinite(bond.area) || !IsFinite(bond.center) || !IsFinite(bond.normal))
+    if (!(bond.area >= 0) || !std::isfinite(bond.area) || !qcIsFinite(bond.center) || !qcIsFinite(bond.normal))
         return "its area, its centre or its normal is not finite";
     return "";
 }

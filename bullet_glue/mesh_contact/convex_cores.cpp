@@ -1,13 +1,13 @@
 // Cores of convex shapes.
 #include "mesh_contact/convex_cores.h"
 
+#include "common/finite.h"
 #include "common/hash_table.h"
 #include "common/hull_faces.h"
 #include "common/shape_triangles.h"
 #include "quickcullide/bullet_positions.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace
 {
@@ -21,10 +21,7 @@ btConvexHullComputer HullOf(const btConvexShape* shape)
     const std::vector<btVector3> points =
         qcOutermostPoints([shape](const btVector3& direction) { return shape->localGetSupportingVertex(direction); });
     btConvexHullComputer hull;
-    const bool isFinite =
-        std::all_of(points.begin(), points.end(),
-                    [](const btVector3& point) { return std::isfinite(point.x() + point.y() + point.z()); });
-    if (isFinite)
+    if (std::all_of(points.begin(), points.end(), [](const btVector3& point) { return qcIsFinite(point); }))
         hull.compute(&points[0].x(), sizeof(btVector3), int(points.size()), 0, 0);
     return hull;
 }

@@ -1,6 +1,7 @@
 // A triangle soup as a Bullet shape.
 #include "quickcullide/bullet_mesh.h"
 
+#include "common/finite.h"
 #include "common/mass_properties.h"
 #include "common/support_mesh.h"
 #include "mesh_shape/convex_cast.h"
@@ -122,7 +123,7 @@ void qcMeshShape::Implementation::Validate()
         if (index >= points.size())
             status = qc_statusBadInput;
     for (const btVector3& point : points)
-        if (!std::isfinite(point.x()) || !std::isfinite(point.y()) || !std::isfinite(point.z()))
+        if (!qcIsFinite(point))
             status = qc_statusBadInput;
     if (status == qc_statusOk)
         return;

@@ -1,13 +1,13 @@
 // Rays and sweeps in batches, on threads.
 #include "quickcullide/bullet_queries.h"
 
+#include "common/finite.h"
 #include "common/parallel_loop.h"
 #include "quickcullide/bullet_broadphase.h"
 
 #include <BulletCollision/CollisionShapes/btConvexShape.h>
 
 #include <algorithm>
-#include <cmath>
 #include <new>
 #include <vector>
 
@@ -16,26 +16,14 @@ namespace
 /// Queries that a thread takes at once: a ray costs half a microsecond, to take one from the loop a tenth.
 constexpr size_t s_blockSize = 16;
 
-bool IsFinite(const btVector3& v)
-{
-    return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z());
-}
-
 bool IsFinite(const qcRay& ray)
 {
-    return IsFinite(ray.from) && IsFinite(ray.to);
+    return qcIsFinite(ray.from) && qcIsFinite(ray.to);
 }
 
 bool IsFinite(const qcSweep& sweep)
 {
-    bool finite = true;
-    for (const btTransform* end : {&sweep.from, &sweep.to})
-    {
-        finite = finite && IsFinite(end->getOrigin());
-        for (int row = 0; row < 3; row++)
-            finite = finite && IsFinite(end->getBasis()[row]);
-    }
-    return finite;
+    return qcIsFinite(sweep.from) && qcIsFinite(sweep.to);
 }
 
 /// With a fourth coordinate of 0, which Bullet leaves unset and operator== compares.
