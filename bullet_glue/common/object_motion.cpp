@@ -1,6 +1,8 @@
 // Objects that the application gives another transform between steps: they move there, or are put elsewhere.
 #include "common/object_motion.h"
 
+#include "common/finite.h"
+
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
@@ -11,6 +13,13 @@ namespace
 // Substeps of a call of stepSimulation.
 constexpr btScalar s_maxSteps = 64;
 } // namespace
+
+bool qcIsFinite(const btCollisionObject& object)
+{
+    const btRigidBody* body = btRigidBody::upcast(&object);
+    return qcIsFinite(object.getWorldTransform()) &&
+           (body == nullptr || (qcIsFinite(body->getLinearVelocity()) && qcIsFinite(body->getAngularVelocity())));
+}
 
 btScalar qcHalfSize(const btCollisionShape* shape)
 {

@@ -5,6 +5,9 @@
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletCollision/CollisionShapes/btCollisionShape.h>
 
+/// True if the object's transform and velocities are finite.
+bool qcIsFinite(const btCollisionObject& object);
+
 /// Half the diagonal of a shape's box.
 btScalar qcHalfSize(const btCollisionShape* shape);
 

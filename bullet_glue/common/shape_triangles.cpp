@@ -120,6 +120,15 @@ qcStatus qcAddMesh(qcScene* scene, const qcMeshDef& mesh, qcBodyId* id, std::vec
     return qcScene_AddBody(scene, &def, id);
 }
 
+void qcExplainNotFinite(qcScene* scene, const btTransform& transform)
+{
+    qcBodyDef def = qcDefaultBodyDef();
+    def.transform = qcTransformOf(transform);
+    qcBodyId id;
+    if (scene != nullptr && qcScene_AddBody(scene, &def, &id) == qc_statusOk)
+        qcScene_RemoveBody(scene, id);
+}
+
 qcTransform qcTransformOf(const btTransform& transform)
 {
     qcTransform result;

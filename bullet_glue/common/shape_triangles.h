@@ -72,6 +72,9 @@ qcStatus qcAddMesh(qcScene* scene, const qcMeshDef& mesh, qcBodyId* id, std::vec
 
 qcTransform qcTransformOf(const btTransform& transform);
 
+/// Makes qcLastMessage name what of a transform is not finite: a scene, which may be null, refuses it.
+void qcExplainNotFinite(qcScene* scene, const btTransform& transform);
+
 /// The vector, rounded to Bullet's precision.
 inline btVector3 qcVectorOf(const double v[3])
 {

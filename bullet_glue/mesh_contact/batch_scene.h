@@ -63,6 +63,7 @@ struct qcBatchObject
     qcObjectState state;             ///< at the last check
     uint64_t checked = 0;            ///< number of the last check of the object (qcBatchValidity)
     bool isChanged = false;          ///< result of that check: nothing that is known of its pairs holds
+    bool isFinite = true;            ///< result of that check
     std::vector<qcBatchMesh> meshes;
 
     /// True if contact of the two is computed here.

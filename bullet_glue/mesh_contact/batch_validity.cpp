@@ -1,6 +1,7 @@
 // Decides which pairs of a step have to be queried.
 #include "mesh_contact/batch_validity.h"
 
+#include "common/object_motion.h"
 #include "common/parallel_loop.h"
 #include "mesh_contact/box_gap.h"
 
@@ -31,6 +32,7 @@ qcBatchObject* qcBatchValidity::CheckObject(const btCollisionObject* object)
     {
         gathered->isChanged = IsChanged(object, gathered);
         gathered->checked = m_number;
+        gathered->isFinite = qcIsFinite(*object);
         gathered->state = qcObjectState::Of(object);
         gathered->maxClosing = m_scene.MaxClosing(object, *gathered);
     }
@@ -98,11 +100,17 @@ bool qcBatchValidity::AreFar(const qcBatchPair& pair, qcPairContact* contact) co
 void qcBatchValidity::CollectPairs()
 {
     m_present.clear();
+    m_notFinite = nullptr;
     btDispatcher* dispatcher = m_scene.GetSettings().world->getDispatcher();
     m_scene.ForEachPair(
         [&](const btCollisionObject* object0, const btCollisionObject* object1)
         {
             qcBatchObject *a = CheckObject(object0), *b = CheckObject(object1);
+            if (!a->isFinite || !b->isFinite)
+            {
+                m_notFinite = a->isFinite ? object1 : object0;
+                return;
+            }
             if (!a->MeetsHere(*b) || !dispatcher->needsCollision(object0, object1))
                 return;
             if (a->owner > b->owner)

@@ -22,6 +22,11 @@ class qcBatchValidity
     }
     /// True if the object is in the state in which the last check found it.
     bool IsAsChecked(const btCollisionObject* object) const;
+    /// An object of the last check that is not finite, or null. Pairs of such objects are left out.
+    const btCollisionObject* NotFinite() const
+    {
+        return m_notFinite;
+    }
     /// Number of the last check; 0: none.
     uint64_t GetNumber() const
     {
@@ -40,6 +45,7 @@ class qcBatchValidity
     qcPairContacts& m_pairs;
     std::vector<qcBatchPair> m_present; ///< pairs of the last check
     std::vector<qcBatchPair> m_due;     ///< likewise, in their order
+    const btCollisionObject* m_notFinite = nullptr;
     uint64_t m_number = 0;
 };
 

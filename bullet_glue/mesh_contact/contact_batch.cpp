@@ -1,6 +1,8 @@
 // Contact of all pairs of meshes in a world from one query a step.
 #include "mesh_contact/contact_batch.h"
 
+#include "common/finite.h"
+#include "common/object_motion.h"
 #include "common/parallel_loop.h"
 #include "common/profiled_detect.h"
 #include "common/stopwatch.h"
@@ -52,11 +54,19 @@ qcDetectDef qcMeshBatch::DetectDef(btScalar margin) const
     return def;
 }
 
+/// Records an object that is not finite.
+void qcMeshBatch::LeaveOut(const btCollisionObject* object)
+{
+    statistics.notFinite = object;
+    Note(qc_statusBadInput);
+    qcExplainNotFinite(m_scene.Get(), object->getWorldTransform());
+}
+
 /// Leaves what is known of all pairs, without the work of a step.
 void qcMeshBatch::ClearStatistics()
 {
     qcMeshContactStatistics known;
-    known.status = statistics.status;
+    known.status = statistics.notFinite == nullptr ? statistics.status : qc_statusOk;
     known.batches = statistics.batches;
     known.queries = statistics.queries;
     known.bodies = statistics.bodies;
@@ -346,6 +356,9 @@ void qcMeshBatch::FindPoints(const qcPlacedMesh& a, const qcPlacedMesh& b, btSca
 {
     {
         std::lock_guard<std::mutex> lock(m_mutex);
+        for (const qcPlacedMesh* mesh : {&a, &b})
+            if (!qcIsFinite(*mesh->object) || !qcIsFinite(mesh->transform))
+                return LeaveOut(mesh->object);
         m_scene.SetTimeStep(timeStep);
         // A pair is computed once a step. Its second call since a check, or a call after one of its bodies has moved,
         // belongs to a new step.
@@ -358,6 +371,8 @@ void qcMeshBatch::FindPoints(const qcPlacedMesh& a, const qcPlacedMesh& b, btSca
             ClearStatistics();
             if (!holds)
                 Run();
+            if (m_validity.NotFinite() != nullptr)
+                LeaveOut(m_validity.NotFinite());
         }
         *check = m_validity.GetNumber();
         if (ReadPair(a, b, points))

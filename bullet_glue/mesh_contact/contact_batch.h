@@ -60,6 +60,7 @@ class qcMeshBatch : public qcRigidLimits, public qcKnownGaps
   private:
     void Note(qcStatus status);
     void ClearStatistics();
+    void LeaveOut(const btCollisionObject* object);
     qcDetectDef DetectDef(btScalar margin) const;
     void ReadPairs();
     void SampleImpacts();

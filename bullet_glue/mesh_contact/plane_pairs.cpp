@@ -45,10 +45,10 @@ Approach ApproachOf(const qcRigidMotion& motionA, const qcPlacedSupport& a, cons
 }
 } // namespace
 
-/// Reads an object of one mesh.
+/// Reads an object of one mesh that is in the scene.
 void qcPlanePairs::ReadBody(const btCollisionObject* object, const qcBatchObject& gathered)
 {
-    if (gathered.meshes.size() != 1)
+    if (gathered.meshes.size() != 1 || !gathered.meshes.front().placed)
         return;
     size_t slot = gathered.meshes.front().id.slot;
     m_bodies.resize(std::max(m_bodies.size(), slot + 1));

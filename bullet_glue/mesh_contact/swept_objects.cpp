@@ -321,7 +321,7 @@ bool qcSweptObjects::ReadTargets(qcScene* scene)
     bool anyOurs = false;
     m_movingMeshes.clear();
     for (int i = 0; i < objects.size(); i++)
-        if (qcMayHoldMeshes(objects[i]->getCollisionShape()))
+        if (qcMayHoldMeshes(objects[i]->getCollisionShape()) && qcIsFinite(*objects[i]))
         {
             present++;
             qcSweptObject& swept = ReadTarget(objects[i], false, scene);
@@ -333,7 +333,7 @@ bool qcSweptObjects::ReadTargets(qcScene* scene)
             m_movingMeshes.push_back(&swept);
         }
     for (int i = 0; anyOurs && i < objects.size(); i++)
-        if (TakesCores(objects[i]))
+        if (TakesCores(objects[i]) && qcIsFinite(*objects[i]))
         {
             present += !qcMayHoldMeshes(objects[i]->getCollisionShape());
             ReadTarget(objects[i], true, scene);
@@ -491,7 +491,7 @@ bool qcSweptObjects::AreAtEnds() const
     const btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
     for (int i = 0; i < objects.size(); i++)
     {
-        if (!qcMayHoldMeshes(objects[i]->getCollisionShape()))
+        if (!qcMayHoldMeshes(objects[i]->getCollisionShape()) || !qcIsFinite(*objects[i]))
             continue;
         const qcSweptObject* swept = Find(objects[i]);
         if (swept == nullptr || !qcAreSame(swept->next, objects[i]->getWorldTransform()))

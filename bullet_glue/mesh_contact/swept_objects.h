@@ -127,14 +127,15 @@ class qcSweptObjects
     void MarkStarts();
     /// Finds the starts of the step that ends now, then does what ReadTargets does.
     bool ReadMotions(btScalar timeStep, qcScene* scene);
-    /// Reads the present transforms as the targets. Meshes of objects that left the world are removed from the scene.
+    /// Reads the present transforms as the targets. Meshes of objects that left the world, or are not finite, are
+    /// removed from the scene.
     /// True if an object has moved.
     bool ReadTargets(qcScene* scene);
     /// The pairs that collide and whose boxes overlap; at least one of the two moves, and one is not isUnmoved.
     void FindPairs(std::vector<qcSweptPair>* pairs);
     /// The next step starts at the present transforms.
     void RecordEnds();
-    /// True if all objects in the world are where RecordEnds has seen them.
+    /// True if all objects in the world that are finite are where RecordEnds has seen them.
     bool AreAtEnds() const;
     /// The entry of an object in the world, or null.
     qcSweptObject* Find(const btCollisionObject* object) const;

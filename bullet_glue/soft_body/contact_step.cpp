@@ -498,6 +498,9 @@ bool qcSoftBodyContact::Implementation::Resolve(btScalar timeStep)
     BT_PROFILE("qcSoftBodyContact resolve");
     statistics.status = RunStages(timeStep);
     scene.hasFailed = statistics.status != qc_statusOk;
+    statistics.notFinite = scene.notFinite;
+    if (!scene.hasFailed && scene.notFinite != nullptr)
+        statistics.status = qc_statusBadInput;
     scene.EndStep(scene.hasFailed);
     if (scene.hasFailed)
     {

@@ -152,8 +152,8 @@ QC_API std::vector<std::unique_ptr<qcMeshShape>> qcRestoreMeshes(btCollisionWorl
 /// The work of the last step. Where what was known of all pairs still held, there was none.
 struct qcMeshContactStatistics
 {
-    /// Anything but qc_statusOk: a query failed, for example because a transform is not finite; its pairs then have no
-    /// contact.
+    /// Anything but qc_statusOk: an object is not finite (see notFinite), or a query failed, for example since memory
+    /// ran out; its pairs then have no contact.
     qcStatus status = qc_statusOk;
     uint64_t batches = 0; ///< queries for all pairs, since the beginning: at most one in each step
     uint64_t queries = 0; ///< queries for a single pair, since the beginning: contactTest, contactPairTest
@@ -177,6 +177,9 @@ struct qcMeshContactStatistics
     double sweepMs = 0;             ///< milliseconds of finding candidates
     double exactMs = 0;             ///< milliseconds of exact tests
     double manifoldMs = 0;          ///< milliseconds of making manifolds
+    /// One of the objects with a transform or velocity that is not finite; null: there is none. They have no contact
+    /// with meshes, and no limits; all others do. Valid until it leaves the world.
+    const btCollisionObject* notFinite = nullptr;
 };
 
 /// Contact of the meshes of a world: qcMeshShape with qcMeshShape, btGImpactMeshShape, static triangle meshes, terrains
@@ -213,13 +216,13 @@ struct qcMeshContactStatistics
 /// those that penetrate are exempt. After Bullet has integrated the transforms, in an action of the world, bodies whose
 /// motions are not proven apart are pushed apart or cut back. Static and kinematic objects are not; `unproven` counts
 /// pairs that they press together. A kinematic body moves to where the application sets its transform, and takes along
-/// what is between; one that is put elsewhere needs setInterpolationWorldTransform, too. So do the triangles of a static
-/// or kinematic mesh that the application moves, by updateShape or by another qcMeshShape of the same triangles; one
-/// with a vertex that is further away than half its diagonal is put elsewhere. Convex shapes of dynamic bodies, in
+/// what is between; one that is put elsewhere needs setInterpolationWorldTransform, too. So do the triangles of a
+/// static or kinematic mesh that the application moves, by updateShape or by another qcMeshShape of the same triangles;
+/// one with a vertex that is further away than half its diagonal is put elsewhere. Convex shapes of dynamic bodies, in
 /// compounds too, pass no qcMeshShape either: in steps in which such a body moves against the mesh by more than half of
-/// its half width, a polyhedron inside of each shape, of nine tenths of its size, is limited like a mesh. Slower ones have
-/// Bullet's contact alone. On a btStaticPlaneShape contact alone holds meshes: those that land
-/// fast, spin fast or lie under a heap may sink in before it pushes them out.
+/// its half width, a polyhedron inside of each shape, of nine tenths of its size, is limited like a mesh. Slower ones
+/// have Bullet's contact alone. On a btStaticPlaneShape contact alone holds meshes: those that land fast, spin fast or
+/// lie under a heap may sink in before it pushes them out.
 ///
 /// Rest: as long as no two points of a pair have moved against each other by 3 % of both thresholds, its contact points
 /// move with the bodies and nothing is searched.

@@ -75,9 +75,15 @@ void qcObjectStarts::Read(const std::set<btBroadphaseInterface*>& broadphases, b
     m_count = 0;
     m_present.clear();
     m_moved.clear();
+    m_notFinite = nullptr;
     qcForEachObject(broadphases,
                     [this, timeStep](btCollisionObject* object, btBroadphaseInterface* broadphase)
                     {
+                        if (!qcIsFinite(*object))
+                        {
+                            m_notFinite = object;
+                            return;
+                        }
                         m_present.push_back({object, broadphase});
                         ReadObject(object, timeStep);
                     });

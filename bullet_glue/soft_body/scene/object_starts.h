@@ -18,8 +18,8 @@ class qcObjectStarts
   public:
     /// The step starts: reads where the application has left the bodies that Bullet moves. O(objects).
     void Begin(const std::set<btBroadphaseInterface*>& broadphases);
-    /// Reads the objects of the step, after Bullet has moved them. Objects that have left the broadphases are
-    /// forgotten. O(objects).
+    /// Reads the objects of the step, after Bullet has moved them, but those that are not finite. Objects that have
+    /// left the broadphases are forgotten. O(objects).
     void Read(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep);
     using BoxFunction = std::function<void(const btVector3&, const btVector3&)>;
     /// Calls function(lower, upper) for the motion of each object that the application has moved since the previous
@@ -41,6 +41,11 @@ class qcObjectStarts
     const std::vector<Present>& Objects() const
     {
         return m_present;
+    }
+    /// One of the objects that the last Read has left out, since they are not finite; null: there is none.
+    const btCollisionObject* NotFinite() const
+    {
+        return m_notFinite;
     }
     /// Calls function(object) for each object whose motion over the step overlaps a box.
     template <typename Function>
@@ -73,6 +78,7 @@ class qcObjectStarts
     std::unordered_map<qcObjectKey, State, qcObjectKeyHash> m_states;
     std::vector<Present> m_present;
     std::vector<Moved> m_moved;
+    const btCollisionObject* m_notFinite = nullptr;
     size_t m_count = 0; ///< objects read in this step
     uint64_t m_step = 0;
 };

@@ -3,6 +3,7 @@
 
 #include "common/compound_children.h"
 #include "common/object_key.h"
+#include "common/object_motion.h"
 #include "common/shape_triangles.h"
 #include "soft_body/scene/objects_in_box.h"
 
@@ -169,7 +170,7 @@ void qcSoftBodyMeshes::CollectOverlapping(btBroadphaseInterface* broadphase, con
     m_collectedBoxes.push_back({lower, upper});
     auto add = [&](btCollisionObject* object)
     {
-        if (MayHaveMeshes(object, withSurfaces))
+        if (MayHaveMeshes(object, withSurfaces) && qcIsFinite(*object))
             m_overlaps.push_back({object, withSurfaces, {lower, upper}});
     };
     if (m_candidates.size() > s_maxCompared)

@@ -100,6 +100,11 @@ class qcSoftBodyMeshes
     {
         m_surfaces.Forget(shape);
     }
+    /// An object that is not finite, which the step leaves out, or null.
+    const btCollisionObject* NotFinite() const
+    {
+        return m_starts.NotFinite();
+    }
     /// Makes the scene's meshes those of the objects collected since the last call.
     qcStatus Sync(qcScene* scene);
     /// True if there are objects, or parts of surfaces, that are not in the scene.

@@ -1,10 +1,10 @@
 // The state of a soft body over a step.
 #include "soft_body/scene/scene_soft_body.h"
 
+#include "common/finite.h"
 #include "soft_body/scene/lone_bodies.h"
 
 #include <algorithm>
-#include <cmath>
 
 bool qcCollidesWithSurfaces(const btSoftBody* body, const qcSoftBodySettings& settings)
 {
@@ -64,7 +64,8 @@ void qcSceneSoftBody::ReadSolved()
     hasSolvedBox = !solved.empty();
     if (solved.empty())
         return;
-    btVector3 lower = start[0], upper = lower, sum(0, 0, 0);
+    btVector3 lower = start[0], upper = lower;
+    isFinite = true;
     for (size_t i = 0; i < solved.size(); i++)
     {
         const btVector3& x = body->m_nodes[int(i)].m_x;
@@ -73,12 +74,21 @@ void qcSceneSoftBody::ReadSolved()
         lower.setMin(x);
         upper.setMax(start[i]);
         upper.setMax(x);
-        sum += start[i] + x;
+        isFinite = isFinite && qcIsFinite(x);
+    }
+    if (!isFinite)
+    {
+        solved = start;
+        moves = false;
+        lower = upper = start[0];
+        for (const btVector3& x : start)
+        {
+            lower.setMin(x);
+            upper.setMax(x);
+        }
     }
     solvedBox[0] = lower;
     solvedBox[1] = upper;
-    // The scene's query reports a node that is not finite; a broadphase must not get such a box.
-    hasSolvedBox = std::isfinite(sum.x() + sum.y() + sum.z());
 }
 
 bool qcSceneSoftBody::IsStretched(bool starts)

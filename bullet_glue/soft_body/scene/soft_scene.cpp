@@ -1,8 +1,10 @@
 // Soft bodies, and the meshes near them, as bodies of a qcScene.
 #include "soft_body/scene/soft_scene.h"
 
+#include "common/finite.h"
 #include "common/object_key.h"
 #include "common/profiled_detect.h"
+#include "common/shape_triangles.h"
 #include "quickcullide/bullet_positions.h"
 
 #include <LinearMath/btQuickprof.h>
@@ -15,6 +17,15 @@ namespace
 // where the core is busy with something else more; with less work than this it gives nothing back (qc-bench soft
 // --demos: bunnies and cloths take a tenth to a quarter less).
 constexpr double s_threadedMs = 1;
+
+/// True if the nodes' present positions are finite, and those at the start of the step.
+bool IsFinite(const btSoftBody* body, btVector3 btSoftBody::Node::*start)
+{
+    for (int n = 0; n < body->m_nodes.size(); n++)
+        if (!qcIsFinite(body->m_nodes[n].m_x) || !qcIsFinite(body->m_nodes[n].*start))
+            return false;
+    return true;
+}
 } // namespace
 
 qcSoftBodyScene::qcSoftBodyScene(qcDevice* device) : m_device(device)
@@ -28,17 +39,24 @@ qcSoftBodyScene::~qcSoftBodyScene()
     qcScene_Destroy(m_scene);
 }
 
+/// The nodes of a body, without triangles.
+qcBodyDef qcSoftBodyScene::DefOf(const btSoftBody* body) const
+{
+    qcBodyDef def = qcDefaultBodyDef();
+    def.positions = body->m_nodes.size() > 0 ? &body->m_nodes[0].m_x : nullptr;
+    def.positionType = qcBulletPositions;
+    def.positionStride = sizeof(btSoftBody::Node);
+    def.vertexCount = uint32_t(body->m_nodes.size());
+    return def;
+}
+
 qcStatus qcSoftBodyScene::Track(btSoftBody* body)
 {
     qcSceneSoftBody added;
     added.body = body;
     added.uniqueId = qcUniqueIdOf(body);
     added.topology = qcTopologyOf(body);
-    qcBodyDef def = qcDefaultBodyDef();
-    def.positions = body->m_nodes.size() > 0 ? &body->m_nodes[0].m_x : nullptr;
-    def.positionType = qcBulletPositions;
-    def.positionStride = sizeof(btSoftBody::Node);
-    def.vertexCount = uint32_t(body->m_nodes.size());
+    qcBodyDef def = DefOf(body);
     def.indices = added.topology.indices.data();
     def.triangleCount = uint32_t(added.topology.indices.size() / 3);
     def.deforming = true;
@@ -50,7 +68,9 @@ qcStatus qcSoftBodyScene::Track(btSoftBody* body)
     return status;
 }
 
-void qcSoftBodyScene::UntrackRemoved(const btAlignedObjectArray<btSoftBody*>& bodies)
+/// Removes the bodies that are not in the array, or no longer the same or finite.
+void qcSoftBodyScene::UntrackRemoved(const btAlignedObjectArray<btSoftBody*>& bodies,
+                                     btVector3 btSoftBody::Node::*start)
 {
     // Both have the same order, but for bodies that are tracked anew.
     int next = 0;
@@ -61,7 +81,7 @@ void qcSoftBodyScene::UntrackRemoved(const btAlignedObjectArray<btSoftBody*>& bo
         bool same = (isNext || bodies.findLinearSearch(tracked.body) < bodies.size()) &&
                     tracked.uniqueId == qcUniqueIdOf(tracked.body);
         if (same && tracked.start.size() == size_t(tracked.NodeCount()) &&
-            qcIsTopologyOf(tracked.topology, tracked.body))
+            qcIsTopologyOf(tracked.topology, tracked.body) && IsFinite(tracked.body, start))
             return false;
         qcScene_RemoveBody(m_scene, tracked.id);
         auto setting = m_settings.find(tracked.body);
@@ -78,6 +98,16 @@ void qcSoftBodyScene::ApplyThickness(qcSceneSoftBody& tracked)
                                                        : std::min(tracked.topology.defaultThickness,
                                                                   tracked.body->getCollisionShape()->getMargin());
     qcScene_SetMargin(m_scene, tracked.id, double(tracked.thickness) / 2);
+}
+
+/// Records a soft body that is not finite. qcLastMessage names the node: the scene refuses a body of such nodes.
+void qcSoftBodyScene::LeaveOut(const btSoftBody* body)
+{
+    notFinite = body;
+    const qcBodyDef def = DefOf(body);
+    qcBodyId id;
+    if (qcScene_AddBody(m_scene, &def, &id) == qc_statusOk)
+        qcScene_RemoveBody(m_scene, id);
 }
 
 /// The settings of a body in the world; those that were given before it was added are its own from now on.
@@ -188,13 +218,19 @@ qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, 
     qcStatus status = m_scene == nullptr ? CreateScene() : qc_statusOk;
     if (status != qc_statusOk)
         return status;
-    UntrackRemoved(bodies);
+    notFinite = nullptr;
+    UntrackRemoved(bodies, start);
     for (int i = 0; i < bodies.size(); i++)
     {
         auto isIt = [&](const qcSceneSoftBody& tracked) { return tracked.body == bodies[i]; };
         if ((size_t(i) < m_bodies.size() && isIt(m_bodies[size_t(i)])) ||
             std::any_of(m_bodies.begin(), m_bodies.end(), isIt))
             continue;
+        if (!IsFinite(bodies[i], start))
+        {
+            LeaveOut(bodies[i]);
+            continue;
+        }
         status = Track(bodies[i]);
         if (status != qc_statusOk)
             return status;
@@ -219,9 +255,16 @@ qcStatus qcSoftBodyScene::ReadSolved(btScalar timeStep)
         if (tracked.CollidesWithRigidBodies() && tracked.body->getWorldInfo()->m_broadphase != nullptr)
             broadphases.insert(tracked.body->getWorldInfo()->m_broadphase);
     meshes.ReadMotions(broadphases, timeStep);
+    if (meshes.NotFinite() != nullptr)
+    {
+        notFinite = meshes.NotFinite();
+        qcExplainNotFinite(m_scene, notFinite->getWorldTransform());
+    }
     for (qcSceneSoftBody& tracked : m_bodies)
     {
         tracked.ReadSolved();
+        if (!tracked.isFinite)
+            LeaveOut(tracked.body);
         tracked.positions = tracked.solved;
         tracked.shifts.clear();
         tracked.inContact = false;

@@ -23,8 +23,8 @@ class qcSoftBodyScene
 
     /// The step starts: Bullet has moved nothing yet.
     void BeginStep(const btAlignedObjectArray<btSoftBody*>& bodies);
-    /// Makes the scene's soft bodies those of the array, and reads their positions at the start of the step from this
-    /// member of their nodes.
+    /// Makes the scene's soft bodies those of the array that are finite, and reads their positions at the start of the
+    /// step from this member of their nodes.
     qcStatus Sync(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start);
     /// Reads the positions after Bullet's own solvers, and makes the scene's meshes those near the motions from the
     /// start of the step to there.
@@ -78,6 +78,8 @@ class qcSoftBodyScene
     bool reportsCandidates = false; ///< Detect reports candidate pairs
     /// Rigid objects whose pairs with soft bodies Bullet has dispatched in this step.
     std::vector<qcObjectKey> liveObjects;
+    /// An object or soft body that the step leaves out, since it is not finite; null: there is none.
+    const btCollisionObject* notFinite = nullptr;
     bool hasFailed = false; ///< a query of the previous step failed: Bullet holds rigid bodies off in the next one
 
   private:
@@ -90,8 +92,10 @@ class qcSoftBodyScene
     void WakeSwept(const btAlignedObjectArray<btSoftBody*>& bodies,
                    const std::set<btBroadphaseInterface*>& broadphases);
     qcStatus CreateScene();
+    qcBodyDef DefOf(const btSoftBody* body) const;
     qcStatus Track(btSoftBody* body);
-    void UntrackRemoved(const btAlignedObjectArray<btSoftBody*>& bodies);
+    void UntrackRemoved(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start);
+    void LeaveOut(const btSoftBody* body);
     void ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::Node::*start);
     qcSoftBodySettings TakeSettings(const qcSceneSoftBody& tracked);
     void ApplySettings(qcSceneSoftBody& tracked);
