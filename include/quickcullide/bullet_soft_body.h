@@ -178,7 +178,7 @@ class QC_API qcSoftBodyContact
     /// from where it was, and soft bodies go with it; see plugin/docs/never_through.md. O(triangles) in that step.
     void updateShape(const btCollisionShape* shape);
 
-    /// Threads of the queries; 0, the default: one per core. Queries that take less than a millisecond run on one.
+    /// Threads of the queries; 0, the default: one per core. Queries that take less than 0.3 milliseconds run on one.
     void setThreadCount(unsigned threads);
     /// The method of the queries; qc_methodAuto by default. It changes the cost, not the simulation. `cullide` and
     /// `quick` have no contacts: each step then keeps Bullet's own positions, with status qc_statusBadInput.

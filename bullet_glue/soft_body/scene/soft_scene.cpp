@@ -14,9 +14,9 @@
 namespace
 {
 // A query that takes less stays on one thread. Waking another one costs 10 to 50 microseconds, twice in a step and
-// where the core is busy with something else more; with less work than this it gives nothing back (qc-bench soft
-// --demos: bunnies and cloths take a tenth to a quarter less).
-constexpr double s_threadedMs = 1;
+// where the core is busy with something else more (qc-bench soft --demos: five tori take a tenth longer at 1 ms,
+// bunnies a little longer at 0.1).
+constexpr double s_threadedMs = 0.3;
 
 /// True if the nodes' present positions are finite, and those at the start of the step.
 bool IsFinite(const btSoftBody* body, btVector3 btSoftBody::Node::*start)
