@@ -142,7 +142,7 @@ void qcHeldContacts::Insert(qcSoftBodyScene& scene)
             const btTransform& now = held.object.object->getWorldTransform();
             Inserted inserted = {&soft, &held, now.getBasis() * held.localNormal, held.point, now * held.localPoint};
             btScalar gap = inserted.normal.dot(StartOf(soft, held) - held.point);
-            // The scene's query reports a transform that is not finite.
+            // An object that is not finite holds nothing.
             if (gap > 0 && gap <= held.thickness * btScalar(1.1) && std::isfinite(inserted.end.length2()))
                 m_inserted.push_back(inserted);
         }
