@@ -95,8 +95,9 @@ typedef void qcParallelForFunction(uint32_t count, qcTask* task, void* taskConte
 
 /// Runs the library's loops on the host's threads, with at most one task for each of `workers` threads (1 to 256, more
 /// count as 256). Loops too short to profit stay on the calling thread. Null restores the default: threads of the
-/// library's own, which sleep between loops and leave the caller's core to it. Results depend on neither the number of
-/// threads nor their floating-point modes. `context` must stay valid until the next call of this function.
+/// library's own, which sleep between loops. Before one is woken, its affinity loses the caller's core; threads that
+/// loop functions start inherit that. Results depend on neither the number of threads nor their floating-point modes.
+/// `context` must stay valid until the next call of this function.
 /// qc_statusBadInput: a function with 0 workers; nothing changes.
 QC_API qcStatus qcSetParallelFor(qcParallelForFunction* parallelFor, uint32_t workers, void* context);
 

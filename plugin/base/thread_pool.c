@@ -2,9 +2,9 @@
 // follow each other closely: a thread that spins begins within a microsecond, waking one takes 20 to 100 (two cores, a
 // virtual machine). One atomic word holds which loop runs and how many threads are in it: no lock while nobody sleeps.
 //
-// A thread that sleeps is kept off the caller's core before it is woken: Linux often wakes it there, although another
-// core is idle, and the two take turns (folded cloth of 4050 triangles, two cores of a virtual machine: 0.25 ms a step,
-// 0.09 apart).
+// Before a thread is woken, the caller's core is taken out of its affinity: Linux often wakes it there, although
+// another core is idle, and the two take turns (folded cloth of 4050 triangles, two cores of a virtual machine: 0.25 ms
+// a step, 0.09 apart).
 #define _GNU_SOURCE // sched_getaffinity, sched_getcpu, pthread_setaffinity_np
 
 #include "base/thread_pool.h"
@@ -34,8 +34,8 @@ typedef struct Thread
     uint32_t index; ///< its index in each loop: what it has in its caches is that index's share of the data
     pthread_cond_t woken;
     atomic_bool sleeps; ///< cleared by whoever wakes it
-    cpu_set_t cores;    ///< that the host allows it
-    int avoidedCore;    ///< it runs on `cores` but this one, where there is another; negative: on all
+    cpu_set_t allowed;  ///< the cores that the host allows it
+    int excludedCore;   ///< of these, from its affinity; negative: none
 } Thread;
 
 typedef struct Pool
@@ -52,13 +52,13 @@ typedef struct Pool
     /// number of threads in it.
     _Alignas(64) _Atomic uint64_t word;
     atomic_uint wakeCount; ///< indices whose threads are to be awake
-    atomic_int callerCore; ///< which the threads are to avoid; negative: not known
+    atomic_int callerCore; ///< of the last loop; negative: not known
     atomic_bool rests;     ///< threads don't spin until the next loop
     _Alignas(64) atomic_bool busy;
     atomic_bool callerSleeps;
 } Pool;
 
-static Pool s_pool = {.mutex = PTHREAD_MUTEX_INITIALIZER, .finished = PTHREAD_COND_INITIALIZER};
+static Pool s_pool = {.mutex = PTHREAD_MUTEX_INITIALIZER, .finished = PTHREAD_COND_INITIALIZER, .callerCore = -1};
 
 static uint32_t NumberOf(uint64_t word)
 {
@@ -104,24 +104,22 @@ static bool Spin(const Pool* pool, uint32_t index, uint32_t last)
     return qcSpin_Until(IsSpinOver, &wait, s_maxSpin) && HasBegun(pool, index, last);
 }
 
-/// Allows the thread its cores but `core`, if it has another one.
-static void KeepOff(Thread* thread, int core)
+/// Takes the core out of the thread's affinity, if it has another one, and puts back the one taken out before.
+static void ExcludeCore(Thread* thread, int core)
 {
-    if (core < 0 || thread->avoidedCore == core)
+    cpu_set_t present, expected = thread->allowed;
+    if (core < 0 || pthread_getaffinity_np(thread->handle, sizeof present, &present) != 0 ||
+        !CPU_ISSET((size_t)core, &present))
         return;
-    cpu_set_t expected = thread->cores, present;
-    if (thread->avoidedCore >= 0)
-        CPU_CLR((size_t)thread->avoidedCore, &expected);
-    if (pthread_getaffinity_np(thread->handle, sizeof present, &present) != 0)
-        return;
-    // The host may have chosen others, as taskset does.
+    if (thread->excludedCore >= 0)
+        CPU_CLR((size_t)thread->excludedCore, &expected);
+    // The host has chosen other cores, as taskset does.
     if (!CPU_EQUAL(&present, &expected))
-        thread->cores = present;
-    cpu_set_t wanted = thread->cores;
+        thread->allowed = present;
+    cpu_set_t wanted = thread->allowed;
     CPU_CLR((size_t)core, &wanted);
-    if (CPU_COUNT(&wanted) != 0)
-        (void)pthread_setaffinity_np(thread->handle, sizeof wanted, &wanted);
-    thread->avoidedCore = core;
+    if (CPU_COUNT(&wanted) != 0 && pthread_setaffinity_np(thread->handle, sizeof wanted, &wanted) == 0)
+        thread->excludedCore = core;
 }
 
 /// False: it did not sleep.
@@ -133,7 +131,7 @@ static bool Wake(Pool* pool, Thread* thread)
     bool slept = atomic_exchange(&thread->sleeps, false);
     if (slept)
     {
-        KeepOff(thread, atomic_load(&pool->callerCore));
+        ExcludeCore(thread, atomic_load(&pool->callerCore));
         pthread_cond_signal(&thread->woken);
     }
     pthread_mutex_unlock(&pool->mutex);
@@ -214,7 +212,10 @@ static void* Serve(void* argument)
 /// After a fork: the child process has none of the threads, and no loop runs there.
 static void ResetInChild(void)
 {
-    s_pool = (Pool){.mutex = PTHREAD_MUTEX_INITIALIZER, .finished = PTHREAD_COND_INITIALIZER, .watchesForks = true};
+    s_pool = (Pool){.mutex = PTHREAD_MUTEX_INITIALIZER,
+                    .finished = PTHREAD_COND_INITIALIZER,
+                    .watchesForks = true,
+                    .callerCore = -1};
 }
 
 /// Starts up to `requested` threads; none if the fork handler can't be installed. False: the process ends.
@@ -229,7 +230,7 @@ static bool StartThreads(Pool* pool, uint32_t requested)
     bool starts = pool->watchesForks && !pool->ending;
     for (uint32_t i = atomic_load(&pool->threadCount); starts && i < requested; i++)
     {
-        pool->threads[i] = (Thread){.index = i + 1, .woken = PTHREAD_COND_INITIALIZER, .avoidedCore = -1};
+        pool->threads[i] = (Thread){.index = i + 1, .woken = PTHREAD_COND_INITIALIZER, .excludedCore = -1};
         starts = pthread_create(&pool->threads[i].handle, NULL, Serve, &pool->threads[i]) == 0;
         if (starts)
             atomic_store(&pool->threadCount, i + 1);
@@ -247,12 +248,11 @@ static bool IsEmpty(const void* context)
     return InsideOf(atomic_load(&pool->word)) == 0;
 }
 
-/// Wakes the threads of a loop of `count` indices.
-static void WakeThreads(Pool* pool, uint32_t count)
+/// The threads of a loop of `count` indices are to be awake.
+static void ExpectThreads(Pool* pool, uint32_t count)
 {
     atomic_store(&pool->callerCore, sched_getcpu());
     atomic_store(&pool->wakeCount, count);
-    WakeSome(pool);
 }
 
 static void Begin(Pool* pool, uint32_t count, qcTask* task, void* taskContext)
@@ -260,9 +260,11 @@ static void Begin(Pool* pool, uint32_t count, qcTask* task, void* taskContext)
     pool->task = task;
     pool->taskContext = taskContext;
     atomic_store(&pool->rests, false);
+    // A thread that finds the loop open wakes others.
+    ExpectThreads(pool, count);
     uint64_t next = (uint64_t)(NumberOf(atomic_load(&pool->word)) + 1) << 32;
     atomic_store(&pool->word, next | (uint64_t)count << 16);
-    WakeThreads(pool, count);
+    WakeSome(pool);
 }
 
 static void End(Pool* pool, uint32_t count)
@@ -299,7 +301,8 @@ void qcPool_Run(uint32_t count, qcTask* task, void* taskContext)
 void qcPool_Wake(uint32_t count)
 {
     atomic_store(&s_pool.rests, false);
-    WakeThreads(&s_pool, count);
+    ExpectThreads(&s_pool, count);
+    WakeSome(&s_pool);
 }
 
 void qcPool_Rest(void)

@@ -13,7 +13,8 @@
 
 /// Calls task(index, taskContext) for index 0 on the calling thread, and for some of the indices from 1 to count - 1,
 /// none twice, each on a thread of its own, the same one in every loop; returns once all these calls have returned. Any
-/// thread may call it, but only one loop runs at a time: during another thread's loop it calls task(0) alone.
+/// thread may call it, but only one loop runs at a time: during another thread's loop it calls task(0) alone. Threads
+/// start with the affinity of the thread that runs the first loop.
 void qcPool_Run(uint32_t count, qcTask* task, void* taskContext);
 
 /// Wakes the threads that sleep, before the first loop of `count` indices begins. It costs some 10 microseconds if

@@ -75,11 +75,13 @@ static cpu_set_t CoresOfThread(const cpu_set_t* allow)
     Visit visit = {.allow = allow};
     while (qcPool_IsAwake())
         usleep(100);
+    // It falls asleep a moment after it counts as asleep.
+    usleep(1000);
     qcParallel_For(qc_workers, qc_workers, 2, VisitThread, &visit);
     return visit.cores;
 }
 
-START_TEST(a_thread_that_is_woken_has_all_cores_but_the_caller_s)
+START_TEST(a_woken_thread_has_all_cores_but_the_caller_s)
 {
     const cpu_set_t all = PresentCores();
     int cores[2];
@@ -138,9 +140,9 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("cores of threads");
-    TCase* tests = tcase_create("cores of threads");
-    tcase_add_test(tests, a_thread_that_is_woken_has_all_cores_but_the_caller_s);
+    Suite* suite = suite_create("affinity");
+    TCase* tests = tcase_create("affinity");
+    tcase_add_test(tests, a_woken_thread_has_all_cores_but_the_caller_s);
     tcase_add_test(tests, cores_that_the_host_takes_away_are_not_used_again);
     tcase_add_test(tests, on_one_core_threads_share_it_with_the_caller);
     suite_add_tcase(suite, tests);
