@@ -120,13 +120,21 @@ qcStatus qcAddMesh(qcScene* scene, const qcMeshDef& mesh, qcBodyId* id, std::vec
     return qcScene_AddBody(scene, &def, id);
 }
 
-void qcExplainNotFinite(qcScene* scene, const btTransform& transform)
+void qcExplainNotFinite(const qcBodyDef& def)
+{
+    const qcSceneDef sceneDef = qcDefaultSceneDef();
+    qcScene* scene = nullptr;
+    qcBodyId id;
+    if (qcScene_Create(&sceneDef, &scene) == qc_statusOk)
+        (void)qcScene_AddBody(scene, &def, &id);
+    qcScene_Destroy(scene);
+}
+
+void qcExplainNotFinite(const btCollisionObject& object)
 {
     qcBodyDef def = qcDefaultBodyDef();
-    def.transform = qcTransformOf(transform);
-    qcBodyId id;
-    if (scene != nullptr && qcScene_AddBody(scene, &def, &id) == qc_statusOk)
-        qcScene_RemoveBody(scene, id);
+    def.transform = qcTransformOf(object.getWorldTransform());
+    qcExplainNotFinite(def);
 }
 
 qcTransform qcTransformOf(const btTransform& transform)

@@ -72,8 +72,11 @@ qcStatus qcAddMesh(qcScene* scene, const qcMeshDef& mesh, qcBodyId* id, std::vec
 
 qcTransform qcTransformOf(const btTransform& transform);
 
-/// Makes qcLastMessage name what of a transform is not finite: a scene, which may be null, refuses it.
-void qcExplainNotFinite(qcScene* scene, const btTransform& transform);
+/// Makes qcLastMessage name the first position of a body, or number of its transform, that is not finite: a scene of
+/// its own refuses the body.
+void qcExplainNotFinite(const qcBodyDef& def);
+/// Likewise for an object; of a velocity there is no message.
+void qcExplainNotFinite(const btCollisionObject& object);
 
 /// The vector, rounded to Bullet's precision.
 inline btVector3 qcVectorOf(const double v[3])

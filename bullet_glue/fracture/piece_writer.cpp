@@ -161,9 +161,7 @@ std::string qcFindPieceDefect(const qcPiece& piece, const qcFracture& fracture)
             return "the source of triangle " + std::to_string(t) + " is " + std::to_string(piece.sources[t]) + " of " +
                    std::to_string(count);
     }
-    const btMatrix3x3& axes = piece.frame.getBasis();
-    if (!std::isfinite(piece.volume) || !qcIsFinite(piece.inertia) || !qcIsFinite(piece.frame.getOrigin()) ||
-        !qcIsFinite(axes[0]) || !qcIsFinite(axes[1]) || !qcIsFinite(axes[2]))
+    if (!std::isfinite(piece.volume) || !qcIsFinite(piece.inertia) || !qcIsFinite(piece.frame))
         return "its volume, its inertia or its frame is not finite";
     return "";
 }

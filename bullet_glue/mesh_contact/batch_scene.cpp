@@ -2,6 +2,7 @@
 #include "mesh_contact/batch_scene.h"
 
 #include "common/compound_children.h"
+#include "common/object_motion.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <LinearMath/btQuickprof.h>
@@ -238,7 +239,7 @@ void qcBatchScene::FindMeanMotion()
     for (int i = 0; i < objects.size(); i++)
     {
         const btRigidBody* body = btRigidBody::upcast(objects[i]);
-        if (body != nullptr && !body->isStaticOrKinematicObject() && body->isActive() &&
+        if (body != nullptr && !body->isStaticOrKinematicObject() && body->isActive() && qcIsFinite(*body) &&
             qcMayHoldMeshes(body->getCollisionShape()))
             moving.push_back(body);
     }

@@ -57,9 +57,35 @@ qcDetectDef qcMeshBatch::DetectDef(btScalar margin) const
 /// Records an object that is not finite.
 void qcMeshBatch::LeaveOut(const btCollisionObject* object)
 {
+    if (statistics.notFinite == object)
+        return;
     statistics.notFinite = object;
     Note(qc_statusBadInput);
-    qcExplainNotFinite(m_scene.Get(), object->getWorldTransform());
+    qcExplainNotFinite(*object);
+}
+
+/// Records at the end of a step whether an object is not finite.
+void qcMeshBatch::RefreshNotFinite()
+{
+    if (statistics.notFinite != nullptr && m_limiter.NotFinite() == nullptr)
+    {
+        statistics.notFinite = nullptr;
+        statistics.status = qc_statusOk;
+    }
+    if (m_limiter.NotFinite() != nullptr)
+        LeaveOut(m_limiter.NotFinite());
+}
+
+/// True, and recorded, if one of the two is not finite.
+bool qcMeshBatch::AreLeftOut(const qcPlacedMesh& a, const qcPlacedMesh& b)
+{
+    for (const qcPlacedMesh* mesh : {&a, &b})
+        if (!qcIsFinite(*mesh->object) || !qcIsFinite(mesh->transform))
+        {
+            LeaveOut(mesh->object);
+            return true;
+        }
+    return false;
 }
 
 /// Leaves what is known of all pairs, without the work of a step.
@@ -356,9 +382,8 @@ void qcMeshBatch::FindPoints(const qcPlacedMesh& a, const qcPlacedMesh& b, btSca
 {
     {
         std::lock_guard<std::mutex> lock(m_mutex);
-        for (const qcPlacedMesh* mesh : {&a, &b})
-            if (!qcIsFinite(*mesh->object) || !qcIsFinite(mesh->transform))
-                return LeaveOut(mesh->object);
+        if (AreLeftOut(a, b))
+            return;
         m_scene.SetTimeStep(timeStep);
         // A pair is computed once a step. Its second call since a check, or a call after one of its bodies has moved,
         // belongs to a new step.
@@ -386,6 +411,11 @@ void qcMeshBatch::QueryPair(const qcPlacedMesh& a, const qcPlacedMesh& b, btScal
                             std::vector<qcMeshPoint>* points)
 {
     BT_PROFILE("qcMeshContact query");
+    {
+        std::lock_guard<std::mutex> lock(m_mutex);
+        if (AreLeftOut(a, b))
+            return;
+    }
     qcSceneDef def = qcDefaultSceneDef();
     qcScene* scene = nullptr;
     qcBodyId idA, idB;
@@ -442,7 +472,10 @@ void qcMeshBatch::LimitMotion(btScalar timeStep)
     if (m_isLimited)
         m_limiter.LimitAgain(timeStep, {}, &moved, &statistics);
     else
+    {
         m_limiter.Limit(timeStep, &statistics);
+        RefreshNotFinite();
+    }
     m_isLimited = false;
 }
 
@@ -450,6 +483,7 @@ void qcMeshBatch::LimitFirst(btScalar timeStep)
 {
     std::lock_guard<std::mutex> lock(m_mutex);
     m_limiter.Limit(timeStep, &statistics);
+    RefreshNotFinite();
     m_isLimited = true;
 }
 

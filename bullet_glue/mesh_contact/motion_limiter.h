@@ -56,6 +56,11 @@ class qcMotionLimiter
     void LimitAgain(btScalar timeStep, const std::vector<const btCollisionObject*>& held,
                     std::vector<const btCollisionObject*>* moved, qcMeshContactStatistics* statistics);
     /// See qcSweptObjects.
+    const btCollisionObject* NotFinite() const
+    {
+        return m_objects.NotFinite();
+    }
+    /// See qcSweptObjects.
     void KeepTriangles(const btCollisionObject* object)
     {
         m_objects.KeepTriangles(object);

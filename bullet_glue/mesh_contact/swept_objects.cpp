@@ -154,6 +154,7 @@ void qcSweptObjects::MarkStarts()
             qcSweptObject* swept = Add(objects[i]);
             swept->next = objects[i]->getWorldTransform();
             swept->wasActive = objects[i]->isActive();
+            swept->wasFinite = qcIsFinite(*objects[i]);
         }
 }
 
@@ -216,7 +217,8 @@ void qcSweptObjects::FindPlanes()
     m_planes.clear();
     const btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
     for (int i = 0; i < objects.size(); i++)
-        if (objects[i]->getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE && objects[i]->isStaticObject())
+        if (objects[i]->getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE && objects[i]->isStaticObject() &&
+            qcIsFinite(*objects[i]))
             m_planes.push_back(objects[i]);
 }
 
@@ -320,9 +322,15 @@ bool qcSweptObjects::ReadTargets(qcScene* scene)
     // Meshes first: how far they move decides which convex shapes may pass one.
     bool anyOurs = false;
     m_movingMeshes.clear();
+    m_notFinite = nullptr;
     for (int i = 0; i < objects.size(); i++)
-        if (qcMayHoldMeshes(objects[i]->getCollisionShape()) && qcIsFinite(*objects[i]))
+        if (qcMayHoldMeshes(objects[i]->getCollisionShape()))
         {
+            if (!qcIsFinite(*objects[i]))
+            {
+                m_notFinite = objects[i];
+                continue;
+            }
             present++;
             qcSweptObject& swept = ReadTarget(objects[i], false, scene);
             anyMoved = anyMoved || !qcAreSame(swept.start, swept.target);
@@ -333,7 +341,7 @@ bool qcSweptObjects::ReadTargets(qcScene* scene)
             m_movingMeshes.push_back(&swept);
         }
     for (int i = 0; anyOurs && i < objects.size(); i++)
-        if (TakesCores(objects[i]) && qcIsFinite(*objects[i]))
+        if (qcIsFinite(*objects[i]) && TakesCores(objects[i]))
         {
             present += !qcMayHoldMeshes(objects[i]->getCollisionShape());
             ReadTarget(objects[i], true, scene);
@@ -388,6 +396,9 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
     ReadTargets(scene);
     for (qcSweptObject* swept : m_sorted)
     {
+        // One that the application has given finite values within the step starts there.
+        if (!swept->wasFinite)
+            swept->start = swept->target;
         // A convex shape was not there to be marked before it was fast. Bullet's continuous collision may have stopped
         // it.
         const bool isMarked =
@@ -476,6 +487,7 @@ void qcSweptObjects::RecordEnds()
     {
         swept->next = swept->last = swept->object->getWorldTransform();
         swept->wasActive = swept->object->isActive();
+        swept->wasFinite = true;
         swept->isNew = false;
     }
 }

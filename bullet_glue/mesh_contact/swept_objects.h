@@ -38,6 +38,7 @@ struct qcSweptObject
     const qcSupportMesh* hull = nullptr;  ///< its mesh or core, if it consists of one small one
     bool isNew = true;                    ///< in its first step
     bool wasActive = false;               ///< a dynamic body that did not sleep when contact was searched
+    bool wasFinite = true;                ///< when the step started
     bool moves = false;                   ///< its end is not its start
     const qcBatchObject* known = nullptr; ///< the object in the scene of contact, or null
     bool isLookedUp = false;              ///< `known` is of this step
@@ -140,6 +141,11 @@ class qcSweptObjects
     /// The entry of an object in the world, or null.
     qcSweptObject* Find(const btCollisionObject* object) const;
 
+    /// An object that may hold meshes and is not finite, which the last ReadTargets has left out, or null.
+    const btCollisionObject* NotFinite() const
+    {
+        return m_notFinite;
+    }
     /// All objects, by number.
     const std::vector<qcSweptObject*>& Get() const
     {
@@ -175,7 +181,8 @@ class qcSweptObjects
     qcConvexCores m_cores;
     btScalar m_timeStep = 0;
     std::vector<const qcSweptObject*> m_movingMeshes; ///< of those whose contact is computed here
-    size_t m_coreCount = 0;                           ///< objects whose convex shapes are swept
+    const btCollisionObject* m_notFinite = nullptr;
+    size_t m_coreCount = 0; ///< objects whose convex shapes are swept
     std::unordered_map<qcObjectKey, std::unique_ptr<qcSweptObject>, qcObjectKeyHash> m_objects;
     std::vector<qcSweptObject*> m_sorted;
     std::unordered_map<const btCollisionShape*, uint64_t> m_changes; ///< calls of InvalidateShape

@@ -152,8 +152,8 @@ QC_API std::vector<std::unique_ptr<qcMeshShape>> qcRestoreMeshes(btCollisionWorl
 /// The work of the last step. Where what was known of all pairs still held, there was none.
 struct qcMeshContactStatistics
 {
-    /// Anything but qc_statusOk: an object is not finite (see notFinite), or a query failed, for example since memory
-    /// ran out; its pairs then have no contact.
+    /// Anything but qc_statusOk: an object is not finite (see notFinite), or a query failed, for example because
+    /// memory ran out; its pairs then have no contact.
     qcStatus status = qc_statusOk;
     uint64_t batches = 0; ///< queries for all pairs, since the beginning: at most one in each step
     uint64_t queries = 0; ///< queries for a single pair, since the beginning: contactTest, contactPairTest
@@ -177,8 +177,9 @@ struct qcMeshContactStatistics
     double sweepMs = 0;             ///< milliseconds of finding candidates
     double exactMs = 0;             ///< milliseconds of exact tests
     double manifoldMs = 0;          ///< milliseconds of making manifolds
-    /// One of the objects with a transform or velocity that is not finite; null: there is none. They have no contact
-    /// with meshes, and no limits; all others do. Valid until it leaves the world.
+    /// One of the objects that may hold meshes, or of those near one, with a transform or velocity that is not finite;
+    /// null: there is none. They have no contact with meshes, and no limits; all others do. Valid until it leaves the
+    /// world.
     const btCollisionObject* notFinite = nullptr;
 };
 

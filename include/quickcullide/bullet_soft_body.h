@@ -46,8 +46,8 @@ struct qcSoftBodySettings
 /// The work of the last step. plugin/docs/troubleshooting.md explains what to do about unusual values.
 struct qcSoftBodyStatistics
 {
-    /// Anything but qc_statusOk: something is not finite (see notFinite), or a query failed, for example since memory
-    /// ran out, and the step kept Bullet's own positions.
+    /// Anything but qc_statusOk: something is not finite (see notFinite), or a query failed, for example because
+    /// memory ran out, and the step kept Bullet's own positions.
     qcStatus status = qc_statusOk;
     int contacts = 0;    ///< contacts within the thickness after Bullet's own constraints
     int penetrating = 0; ///< pairs of triangles that penetrated then
@@ -80,7 +80,8 @@ struct qcSoftBodyStatistics
     double contactMs = 0;           ///< milliseconds of feature contacts
     double respondMs = 0;           ///< milliseconds of moving nodes apart
     /// One of the soft bodies with a node, or of the objects with a transform or velocity, that is not finite; null:
-    /// there is none. They have no contact with soft bodies; all others do. Valid until it leaves the world.
+    /// there is none. They have no contact with soft bodies; all others do. (A soft body that ceases to be finite in
+    /// Bullet's solver stays at its start for the others in that step.) Valid until it leaves the world.
     const btCollisionObject* notFinite = nullptr;
 };
 

@@ -1,6 +1,7 @@
 // Where the objects of a world were at the start of a step.
 #include "soft_body/scene/object_starts.h"
 
+#include "common/finite.h"
 #include "common/object_motion.h"
 #include "soft_body/scene/objects_in_box.h"
 
@@ -47,6 +48,9 @@ void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep)
     }
     else
         state.start = qcIsMotion(object, state.end, now, state.motion, timeStep) ? state.end : now;
+    // The application has given it finite values within the step.
+    if (!qcIsFinite(state.start))
+        state.start = now;
     // A jump is remembered, too: the next one like it is a motion.
     state.motion = isNew ? btVector3(0, 0, 0) : now.getOrigin() - state.end.getOrigin();
     state.end = now;
@@ -99,7 +103,7 @@ void qcObjectStarts::ForEachPlaced(const std::set<btBroadphaseInterface*>& broad
                     {
                         auto found = m_states.find(qcObjectKey(object));
                         if (IsDynamic(object) || !object->hasContactResponse() || found == m_states.end() ||
-                            qcAreSame(found->second.end, object->getWorldTransform()))
+                            !qcIsFinite(*object) || qcAreSame(found->second.end, object->getWorldTransform()))
                             return;
                         const Moved moved = MakeMoved(object, found->second.end);
                         function(moved.lower, moved.upper);

@@ -243,7 +243,7 @@ void qcSoftBodyMeshes::ForEachPlaced(const std::set<btBroadphaseInterface*>& bro
                     [&](btCollisionObject* object, btBroadphaseInterface*)
                     {
                         btVector3 box[2];
-                        if (object->hasContactResponse() && IsReshaped(object, box))
+                        if (object->hasContactResponse() && qcIsFinite(*object) && IsReshaped(object, box))
                             function(box[0], box[1]);
                     });
 }

@@ -64,31 +64,18 @@ void qcSceneSoftBody::ReadSolved()
     hasSolvedBox = !solved.empty();
     if (solved.empty())
         return;
-    btVector3 lower = start[0], upper = lower;
     isFinite = true;
     for (size_t i = 0; i < solved.size(); i++)
     {
-        const btVector3& x = body->m_nodes[int(i)].m_x;
-        solved[i] = x;
-        lower.setMin(start[i]);
-        lower.setMin(x);
-        upper.setMax(start[i]);
-        upper.setMax(x);
-        isFinite = isFinite && qcIsFinite(x);
+        solved[i] = body->m_nodes[int(i)].m_x;
+        isFinite = isFinite && qcIsFinite(solved[i]);
     }
     if (!isFinite)
     {
         solved = start;
         moves = false;
-        lower = upper = start[0];
-        for (const btVector3& x : start)
-        {
-            lower.setMin(x);
-            upper.setMax(x);
-        }
     }
-    solvedBox[0] = lower;
-    solvedBox[1] = upper;
+    qcFindMotionBox(start, solved, 0, solvedBox);
 }
 
 bool qcSceneSoftBody::IsStretched(bool starts)

@@ -100,14 +100,11 @@ void qcSoftBodyScene::ApplyThickness(qcSceneSoftBody& tracked)
     qcScene_SetMargin(m_scene, tracked.id, double(tracked.thickness) / 2);
 }
 
-/// Records a soft body that is not finite. qcLastMessage names the node: the scene refuses a body of such nodes.
+/// Records a soft body that is not finite.
 void qcSoftBodyScene::LeaveOut(const btSoftBody* body)
 {
     notFinite = body;
-    const qcBodyDef def = DefOf(body);
-    qcBodyId id;
-    if (qcScene_AddBody(m_scene, &def, &id) == qc_statusOk)
-        qcScene_RemoveBody(m_scene, id);
+    qcExplainNotFinite(DefOf(body));
 }
 
 /// The settings of a body in the world; those that were given before it was added are its own from now on.
@@ -258,7 +255,7 @@ qcStatus qcSoftBodyScene::ReadSolved(btScalar timeStep)
     if (meshes.NotFinite() != nullptr)
     {
         notFinite = meshes.NotFinite();
-        qcExplainNotFinite(m_scene, notFinite->getWorldTransform());
+        qcExplainNotFinite(*notFinite);
     }
     for (qcSceneSoftBody& tracked : m_bodies)
     {
@@ -295,7 +292,7 @@ qcStatus qcSoftBodyScene::FollowMotions(bool* added)
     {
         auto isIn = [&tracked](const btVector3& position)
         { return TestPointAgainstAabb2(tracked.collectedBox[0], tracked.collectedBox[1], position); };
-        // The scene's query reports a node that is not finite.
+        // The scene's query refuses positions that contacts have made infinite.
         btVector3 box[2];
         if (tracked.hasSolvedBox && !std::all_of(tracked.positions.begin(), tracked.positions.end(), isIn) &&
             qcFindMotionBox(tracked.start, tracked.positions, 0, box))
@@ -312,11 +309,10 @@ bool qcSoftBodyScene::AreAllAlone() const
     return !m_bodies.empty() && std::all_of(m_bodies.begin(), m_bodies.end(), isAlone);
 }
 
-/// Adds the box of a body's motion up to the present positions; a body that is not finite has a partner.
+/// Adds the box of a body's motion up to the present positions; one that contacts have made infinite has a partner.
 void qcSoftBodyScene::AddMotionBox(qcSceneSoftBody& tracked, btScalar reach)
 {
     btVector3 box[2];
-    // The scene's query reports a node that is not finite.
     tracked.hasPartner = !tracked.FindMotionBox(reach, box);
     if (tracked.hasPartner)
         box[1] = -(box[0] = btVector3(-BT_LARGE_FLOAT, -BT_LARGE_FLOAT, -BT_LARGE_FLOAT));
