@@ -64,16 +64,12 @@ void qcMeshBatch::LeaveOut(const btCollisionObject* object)
     qcExplainNotFinite(*object);
 }
 
-/// Records at the end of a step whether an object is not finite.
-void qcMeshBatch::RefreshNotFinite()
+/// Forgets what LeaveOut has recorded.
+void qcMeshBatch::ForgetLeftOut()
 {
-    if (statistics.notFinite != nullptr && m_limiter.NotFinite() == nullptr)
-    {
-        statistics.notFinite = nullptr;
+    if (statistics.notFinite != nullptr)
         statistics.status = qc_statusOk;
-    }
-    if (m_limiter.NotFinite() != nullptr)
-        LeaveOut(m_limiter.NotFinite());
+    statistics.notFinite = nullptr;
 }
 
 /// True, and recorded, if one of the two is not finite.
@@ -91,8 +87,9 @@ bool qcMeshBatch::AreLeftOut(const qcPlacedMesh& a, const qcPlacedMesh& b)
 /// Leaves what is known of all pairs, without the work of a step.
 void qcMeshBatch::ClearStatistics()
 {
+    ForgetLeftOut();
     qcMeshContactStatistics known;
-    known.status = statistics.notFinite == nullptr ? statistics.status : qc_statusOk;
+    known.status = statistics.status;
     known.batches = statistics.batches;
     known.queries = statistics.queries;
     known.bodies = statistics.bodies;
@@ -465,6 +462,15 @@ void qcMeshBatch::InvalidateShape(const btCollisionShape* shape)
     m_limiter.InvalidateShape(shape);
 }
 
+/// Limits the motions of the step, and records anew whether an object of the world is not finite.
+void qcMeshBatch::Limit(btScalar timeStep)
+{
+    ForgetLeftOut();
+    m_limiter.Limit(timeStep, &statistics);
+    if (m_limiter.NotFinite() != nullptr)
+        LeaveOut(m_limiter.NotFinite());
+}
+
 void qcMeshBatch::LimitMotion(btScalar timeStep)
 {
     std::lock_guard<std::mutex> lock(m_mutex);
@@ -472,18 +478,14 @@ void qcMeshBatch::LimitMotion(btScalar timeStep)
     if (m_isLimited)
         m_limiter.LimitAgain(timeStep, {}, &moved, &statistics);
     else
-    {
-        m_limiter.Limit(timeStep, &statistics);
-        RefreshNotFinite();
-    }
+        Limit(timeStep);
     m_isLimited = false;
 }
 
 void qcMeshBatch::LimitFirst(btScalar timeStep)
 {
     std::lock_guard<std::mutex> lock(m_mutex);
-    m_limiter.Limit(timeStep, &statistics);
-    RefreshNotFinite();
+    Limit(timeStep);
     m_isLimited = true;
 }
 

@@ -61,7 +61,8 @@ class qcMeshBatch : public qcRigidLimits, public qcKnownGaps
     void Note(qcStatus status);
     void ClearStatistics();
     void LeaveOut(const btCollisionObject* object);
-    void RefreshNotFinite();
+    void ForgetLeftOut();
+    void Limit(btScalar timeStep);
     bool AreLeftOut(const qcPlacedMesh& a, const qcPlacedMesh& b);
     qcDetectDef DetectDef(btScalar margin) const;
     void ReadPairs();

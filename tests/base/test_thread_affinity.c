@@ -138,13 +138,5 @@ START_TEST(on_one_core_threads_share_it_with_the_caller)
 }
 END_TEST
 
-int main(void)
-{
-    Suite* suite = suite_create("affinity");
-    TCase* tests = tcase_create("affinity");
-    tcase_add_test(tests, a_woken_thread_has_all_cores_but_the_caller_s);
-    tcase_add_test(tests, cores_that_the_host_takes_away_are_not_used_again);
-    tcase_add_test(tests, on_one_core_threads_share_it_with_the_caller);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
-}
+QC_RUN_TESTS("affinity", a_woken_thread_has_all_cores_but_the_caller_s,
+             cores_that_the_host_takes_away_are_not_used_again, on_one_core_threads_share_it_with_the_caller)

@@ -58,13 +58,10 @@ void qcSceneSoftBody::ReadAnchors()
     }
 }
 
-void qcSceneSoftBody::ReadSolved()
+bool qcSceneSoftBody::ReadSolved()
 {
+    bool isFinite = true;
     solved.resize(size_t(NodeCount()));
-    hasSolvedBox = !solved.empty();
-    if (solved.empty())
-        return;
-    isFinite = true;
     for (size_t i = 0; i < solved.size(); i++)
     {
         solved[i] = body->m_nodes[int(i)].m_x;
@@ -75,7 +72,8 @@ void qcSceneSoftBody::ReadSolved()
         solved = start;
         moves = false;
     }
-    qcFindMotionBox(start, solved, 0, solvedBox);
+    hasSolvedBox = qcFindMotionBox(start, solved, 0, solvedBox);
+    return isFinite;
 }
 
 bool qcSceneSoftBody::IsStretched(bool starts)

@@ -37,7 +37,6 @@ struct qcSceneSoftBody
     btScalar thickness = 0;          ///< settings.thickness, or the default where that is 0
     bool isNew = true;               ///< not yet tested for tangles at its start
     bool moves = true;               ///< false: Bullet does not simulate it at present, and contacts don't move it
-    bool isFinite = true;            ///< false: a node is not, and the body stays at its start for contact
     bool startsWhereItEnded = false; ///< its state is that of the end of the previous step
     bool hasEnd = false;             ///< `positions` are those of the end of the previous step
     bool startsElsewhere = true;     ///< it is new, or was put elsewhere since
@@ -49,7 +48,7 @@ struct qcSceneSoftBody
     std::vector<btVector3> applied;
     std::vector<btVector3> solved;    ///< after Bullet's own solvers
     btVector3 solvedBox[2];           ///< around `start` and `solved`
-    bool hasSolvedBox = false;        ///< there are nodes
+    bool hasSolvedBox = false;        ///< there are nodes, and the box is finite
     btVector3 collectedBox[2];        ///< the scene has the meshes in it
     bool isSolvedStretched = false;   ///< qcIsStretchedChain from `start` to `solved`
     std::vector<btVector3> positions; ///< after contacts so far; copied to Bullet's nodes at the end of the step
@@ -72,9 +71,9 @@ struct qcSceneSoftBody
     bool ReadApplied(btVector3 btSoftBody::Node::*member);
     /// Reads which nodes are anchored, and which ones Bullet itself places at the end of each step.
     void ReadAnchors();
-    /// Reads the positions after Bullet's own solvers, and finds the box of the motion from the start of the step. Sets
-    /// isFinite.
-    void ReadSolved();
+    /// Reads the positions after Bullet's own solvers, and finds the box of the motion from the start of the step.
+    /// False: a node is not finite, and the body stays at its start for contact.
+    bool ReadSolved();
     /// True if the body, a chain, runs along one direction over its motion. `starts`: its positions are those after
     /// Bullet's solvers.
     bool IsStretched(bool starts);

@@ -259,8 +259,7 @@ qcStatus qcSoftBodyScene::ReadSolved(btScalar timeStep)
     }
     for (qcSceneSoftBody& tracked : m_bodies)
     {
-        tracked.ReadSolved();
-        if (!tracked.isFinite)
+        if (!tracked.ReadSolved())
             LeaveOut(tracked.body);
         tracked.positions = tracked.solved;
         tracked.shifts.clear();
