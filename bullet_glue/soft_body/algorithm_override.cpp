@@ -83,7 +83,7 @@ class qcAlgorithmOverride::Gate : public btCollisionAlgorithm
         if (m_original == nullptr)
             return true;
         const btSoftBody* body = btSoftBody::upcast(soft.getCollisionObject());
-        return body != nullptr && !m_scene.hasFailed && qcHasSurfaces(rigid.getCollisionObject()) &&
+        return body != nullptr && !m_scene.hasFailed && rigid.getCollisionObject()->hasContactResponse() &&
                qcHasSurface(rigid.getCollisionShape()) && qcCollidesWithSurfaces(body, m_scene.GetSettings(body));
     }
 

@@ -409,6 +409,47 @@ qcStatus qcSoftBodyContact::Implementation::MoveZones()
     return qc_statusOk;
 }
 
+/// Pushes meshes that joints or factors guide out of the nodes of their zones, which stay. False: no pair has one.
+bool qcSoftBodyContact::Implementation::PushGuided()
+{
+    qcSeparationPlanes planes;
+    for (const qcUnprovenPair& unproven : m_unproven)
+        planes.Add(scene, unproven);
+    planes.Solve(s_planeSweeps, false);
+    return scene.meshes.Commit();
+}
+
+/// Moves apart meshes that joints or factors guide, and the zones that they leave no room, as fingers of a robot do
+/// that press cloth against a wall. The last resort is that such meshes return to the start of the step.
+qcStatus qcSoftBodyContact::Implementation::MoveGuided()
+{
+    qcStatus status = qc_statusOk;
+    std::vector<qcSceneRigid*> rigids;
+    auto add = [&rigids](qcSceneRigid& rigid) { rigids.push_back(&rigid); };
+    for (int round = 0; status == qc_statusOk && !m_unproven.empty(); round++)
+    {
+        rigids.clear();
+        for (const qcUnprovenPair& unproven : m_unproven)
+            m_zones.ForEachObjectWith(unproven.pair, add);
+        if (!(round < s_planeRounds && PushGuided()) && !scene.meshes.ReturnToStart(rigids))
+            return qc_statusOk;
+        m_zones.Renew();
+        status = Certify();
+        if (status == qc_statusOk)
+            status = MoveZones();
+    }
+    return status;
+}
+
+/// Moves apart what contacts have not.
+qcStatus qcSoftBodyContact::Implementation::MoveApart()
+{
+    qcStatus status = SolvePlanes();
+    if (status == qc_statusOk)
+        status = MoveZones();
+    return status == qc_statusOk ? MoveGuided() : status;
+}
+
 /// The certificates of the world's rigid meshes, or null.
 qcRigidLimits* qcSoftBodyContact::Implementation::FindLimits()
 {
@@ -447,9 +488,7 @@ qcStatus qcSoftBodyContact::Implementation::LimitRigids(btScalar timeStep)
         m_zones.Renew();
         qcStatus status = Certify();
         if (status == qc_statusOk)
-            status = SolvePlanes();
-        if (status == qc_statusOk)
-            status = MoveZones();
+            status = MoveApart();
         if (status != qc_statusOk)
             return status;
         held = UnprovenRigids();
@@ -482,9 +521,7 @@ qcStatus qcSoftBodyContact::Implementation::RunStages(btScalar timeStep)
     if (status == qc_statusOk)
         status = SolveContacts();
     if (status == qc_statusOk)
-        status = SolvePlanes();
-    if (status == qc_statusOk)
-        status = MoveZones();
+        status = MoveApart();
     if (status == qc_statusOk)
         status = LimitRigids(timeStep);
     return status == qc_statusOk ? ReadEnd() : status;

@@ -70,6 +70,9 @@ struct qcSoftBodyContact::Implementation
     qcStatus SolveContacts();
     qcStatus SolvePlanes();
     qcStatus MoveZones();
+    bool PushGuided();
+    qcStatus MoveGuided();
+    qcStatus MoveApart();
     qcRigidLimits* FindLimits();
     std::vector<const btCollisionObject*> UnprovenRigids();
     qcStatus LimitRigids(btScalar timeStep);

@@ -93,7 +93,7 @@ void qcHeldContacts::Keep(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
     for (const qcSoftConstraint& constraint : constraints)
     {
         // Ropes solve links and contacts in turns; what contacts move has to take its share.
-        if (constraint.rigid == nullptr || constraint.rigid->body != nullptr || constraint.accumulates)
+        if (constraint.rigid == nullptr || constraint.rigid->CanMove() || constraint.accumulates)
             continue;
         qcHeldContact held;
         qcSceneSoftBody* soft = nullptr;

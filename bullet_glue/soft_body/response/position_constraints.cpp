@@ -38,7 +38,7 @@ btVector3 Offset(const qcSoftConstraint& constraint)
     for (int i = 0; i < constraint.nodeCount; i++)
         offset += constraint.weight[i] * *constraint.position[i];
     if (const qcSceneRigid* rigid = constraint.rigid)
-        offset -= constraint.point + rigid->linear + rigid->angular.cross(constraint.arm);
+        offset -= constraint.point + rigid->PushedAt(constraint.arm);
     return offset;
 }
 
@@ -230,8 +230,8 @@ bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], con
     Orient(thickness, normal, rigid.isReshaped ? btScalar(1) : qcGapRecovery, constraint);
     // Contact wakes the rigid body, as Bullet's own contact of soft bodies does. It moves from the next step on.
     if (soft.moves && !rigid.object->isActive() && !rigid.object->isStaticOrKinematicObject())
-        rigid.object->activate();
-    return constraint->inverseEffectiveMass > 0 || rigid.body != nullptr;
+        rigid.Wake();
+    return constraint->inverseEffectiveMass > 0 || rigid.CanMove();
 }
 
 void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles, const qcResult& result,

@@ -197,10 +197,16 @@ bool qcSoftZones::Add(const qcPair& pair)
     return !movedAsOne || moved != Motion::None;
 }
 
-/// The motion of a zone from the start of the step. A fixed member determines it.
+/// The motion of a zone from the start of the step. A fixed member determines it, and if there is none, a guided one.
 btTransform qcSoftZones::FindMotion(const std::vector<uint32_t>& zone, bool rotates) const
 {
     RigidMotion mean;
+    for (uint32_t index : zone)
+    {
+        const Member& member = m_members[index];
+        if (member.rigid != nullptr && !member.rigid->CanMove())
+            return member.rigid->MotionTo(member.target);
+    }
     for (uint32_t index : zone)
     {
         const Member& member = m_members[index];

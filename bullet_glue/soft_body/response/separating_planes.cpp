@@ -39,7 +39,7 @@ btVector3 EndOfMesh(const qcPlaneSide& side, uint32_t vertex, btVector3* arm)
     const qcSceneRigid& rigid = *side.rigid;
     const btVector3 end = rigid.PresentOf(*side.mesh, vertex);
     *arm = end - rigid.object->getWorldTransform().getOrigin();
-    return end + (rigid.linear + rigid.angular.cross(*arm));
+    return end + rigid.PushedAt(*arm);
 }
 
 /// The least height of a triangle's corners above an origin.
@@ -77,12 +77,14 @@ struct Corners
     btScalar lowestPinned = BT_LARGE_FLOAT; ///< min height of fixed corners
     bool moves = false;
 
-    Corners(const qcPlaneSide& measured, const btVector3& direction, const btVector3& zero)
+    Corners(const qcPlaneSide& measured, const btVector3& direction, const btVector3& zero, bool movesNodes = true)
         : side(&measured), outward(direction), origin(zero)
     {
         for (int i = 0; i < side->count; i++)
         {
             corner[i] = side->soft != nullptr ? OfSoft(side->vertices[i]) : OfMesh(side->vertices[i]);
+            if (side->soft != nullptr && !movesNodes)
+                corner[i].inverseMass = 0;
             lowest = std::min(lowest, corner[i].height);
             if (corner[i].inverseMass > 0)
                 moves = true;
@@ -191,8 +193,8 @@ btVector3 FindFriction(const qcSeparationPlane& plane, const Corners& above, btS
     return sliding * (-std::min(plane.friction / length, 1 / raised));
 }
 
-/// Divides the missing gap between both sides so that they get the same impulse.
-void SolvePlane(const qcSeparationPlane& plane)
+/// Divides the missing gap between both sides so that they get the same impulse. `movesNodes`: false for objects alone.
+void SolvePlane(const qcSeparationPlane& plane, bool movesNodes)
 {
     btVector3 origin = plane.above.soft != nullptr   ? plane.above.soft->positions[plane.above.vertices[0]]
                        : plane.below.soft != nullptr ? plane.below.soft->positions[plane.below.vertices[0]]
@@ -202,7 +204,7 @@ void SolvePlane(const qcSeparationPlane& plane)
     // Most planes hold in most sweeps.
     if (missing <= 0)
         return;
-    Corners above(plane.above, plane.normal, origin), below(plane.below, -plane.normal, origin);
+    Corners above(plane.above, plane.normal, origin, movesNodes), below(plane.below, -plane.normal, origin, movesNodes);
     if (!above.moves && !below.moves)
         return;
     // The share of the upper side. Fixed corners bound it from either end.
@@ -377,9 +379,9 @@ void qcSeparationPlanes::Add(qcSoftBodyScene& scene, const qcUnprovenPair& unpro
     m_planes.push_back(plane);
 }
 
-void qcSeparationPlanes::Solve(int sweeps)
+void qcSeparationPlanes::Solve(int sweeps, bool movesNodes)
 {
     for (int i = 0; i < sweeps; i++)
         for (const qcSeparationPlane& plane : m_planes)
-            SolvePlane(plane);
+            SolvePlane(plane, movesNodes);
 }

@@ -55,8 +55,9 @@ class qcSeparationPlanes
     void Clear();
     /// Adds a plane for a pair, unless the pair has one.
     void Add(qcSoftBodyScene& scene, const qcUnprovenPair& unproven);
-    /// Gauss-Seidel sweeps over all planes. Moves positions of nodes; meshes move with the next Commit.
-    void Solve(int sweeps);
+    /// Gauss-Seidel sweeps over all planes. Moves positions of nodes; meshes move with the next Commit. `movesNodes`:
+    /// false: meshes alone.
+    void Solve(int sweeps, bool movesNodes = true);
     size_t Count() const
     {
         return m_planes.size();

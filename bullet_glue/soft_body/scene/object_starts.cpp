@@ -9,11 +9,16 @@
 
 namespace
 {
-/// True if Bullet moves the object.
+/// True for a link of a multibody.
+bool IsLink(const btCollisionObject* object)
+{
+    return object->getInternalType() == btCollisionObject::CO_FEATHERSTONE_LINK;
+}
+
+/// True if Bullet moves the object. Applications move links, too.
 bool IsDynamic(const btCollisionObject* object)
 {
-    const btRigidBody* body = btRigidBody::upcast(object);
-    return body != nullptr && !body->isStaticOrKinematicObject();
+    return (btRigidBody::upcast(object) != nullptr || IsLink(object)) && !object->isStaticOrKinematicObject();
 }
 } // namespace
 
@@ -43,7 +48,8 @@ void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep)
     else if (IsDynamic(object))
     {
         const btCollisionShape* shape = object->getCollisionShape();
-        bool isNear = qcMaxDisplacement(shape, state.end, state.begin) <= qcHalfSize(shape);
+        bool isNear = qcMaxDisplacement(shape, state.end, state.begin) <= qcHalfSize(shape) ||
+                      (IsLink(object) && qcIsMotion(object, state.end, state.begin, state.motion, timeStep));
         state.start = isNear ? state.end : state.begin;
     }
     else
@@ -102,8 +108,9 @@ void qcObjectStarts::ForEachPlaced(const std::set<btBroadphaseInterface*>& broad
                     [&](btCollisionObject* object, btBroadphaseInterface*)
                     {
                         auto found = m_states.find(qcObjectKey(object));
-                        if (IsDynamic(object) || !object->hasContactResponse() || found == m_states.end() ||
-                            !qcIsFinite(*object) || qcAreSame(found->second.end, object->getWorldTransform()))
+                        if ((IsDynamic(object) && !IsLink(object)) || !object->hasContactResponse() ||
+                            found == m_states.end() || !qcIsFinite(*object) ||
+                            qcAreSame(found->second.end, object->getWorldTransform()))
                             return;
                         const Moved moved = MakeMoved(object, found->second.end);
                         function(moved.lower, moved.upper);
@@ -114,6 +121,12 @@ const btTransform& qcObjectStarts::StartOf(const btCollisionObject* object) cons
 {
     auto found = m_states.find(qcObjectKey(object));
     return found != m_states.end() ? found->second.start : object->getWorldTransform();
+}
+
+bool qcObjectStarts::StartsAtBegin(const btCollisionObject* object) const
+{
+    auto found = m_states.find(qcObjectKey(object));
+    return found != m_states.end() && IsDynamic(object) && found->second.start == found->second.begin;
 }
 
 void qcObjectStarts::RecordEnd(const btCollisionObject* object)

@@ -8,6 +8,7 @@
 #include "soft_body/scene/objects_in_box.h"
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 #include <LinearMath/btAabbUtil2.h>
 #include <LinearMath/btTransformUtil.h>
 
@@ -18,6 +19,8 @@ namespace
 // Up to so many objects are compared with a soft body's box one by one. A query of the broadphase, which has the other
 // soft bodies too, takes as long as some 200 comparisons (qc-bench soft --demos, 256 sticks).
 constexpr size_t s_maxCompared = 64;
+// The least part of its displacement by which an object gives way along a push. Along less, rounding would decide.
+constexpr btScalar s_leastAlong = btScalar(0.05);
 
 bool AreSame(const std::vector<qcSceneShape>& a, const std::vector<qcSceneShape>& b)
 {
@@ -81,26 +84,57 @@ void ReadState(qcSceneRigid* rigid, const btTransform& start)
     rigid->activity = activity;
     rigid->solved = rigid->object->getWorldTransform();
     rigid->start = start;
-    rigid->movedLinear.setZero();
-    rigid->movedAngular.setZero();
+    rigid->moved = qcRigidDisplacement();
     rigid->fromStart = rigid->isFixed = false;
 }
 } // namespace
 
+/// The displacement if `push` acts at `arm` from the centre. None if joints or factors lead the object elsewhere: then
+/// it would have to move far to give way a little.
+qcRigidDisplacement qcSceneRigid::DisplacementBy(const btVector3& arm, const btVector3& push) const
+{
+    qcRigidDisplacement by;
+    if (isFixed)
+        return by;
+    if (multibody != nullptr)
+        by = multibody->DisplacementBy(link, arm, push);
+    else if (body != nullptr)
+    {
+        by.angular = body->getInvInertiaTensorWorld() * arm.cross(push) * body->getAngularFactor();
+        by.linear = push * body->getLinearFactor() * body->getInvMass();
+    }
+    const btVector3 at = by.At(arm);
+    bool isLedElsewhere = isGuided && !(at.dot(push) > s_leastAlong * at.length() * push.length());
+    return isLedElsewhere ? qcRigidDisplacement() : by;
+}
+
 btVector3 qcSceneRigid::DisplacementAt(const btVector3& arm, const btVector3& push) const
 {
-    if (body == nullptr || isFixed)
-        return btVector3(0, 0, 0);
-    btVector3 turn = body->getInvInertiaTensorWorld() * arm.cross(push) * body->getAngularFactor();
-    return push * body->getLinearFactor() * body->getInvMass() + turn.cross(arm);
+    return DisplacementBy(arm, push).At(arm);
 }
 
 void qcSceneRigid::Push(const btVector3& arm, const btVector3& push)
 {
-    if (body == nullptr || isFixed)
-        return;
-    linear += push * body->getLinearFactor() * body->getInvMass();
-    angular += body->getInvInertiaTensorWorld() * arm.cross(push) * body->getAngularFactor();
+    const qcRigidDisplacement by = DisplacementBy(arm, push);
+    if (multibody == nullptr)
+    {
+        pushed.linear += by.linear;
+        pushed.angular += by.angular;
+    }
+    else if (!by.linear.isZero() || !by.angular.isZero())
+        multibody->Push(link, arm, push);
+}
+
+btVector3 qcSceneRigid::PushedAt(const btVector3& arm) const
+{
+    return (multibody != nullptr ? multibody->Displacement(link) : pushed).At(arm);
+}
+
+void qcSceneRigid::Wake() const
+{
+    object->activate();
+    if (const btMultiBodyLinkCollider* collider = btMultiBodyLinkCollider::upcast(object))
+        collider->m_multiBody->wakeUp();
 }
 
 bool qcSceneRigid::IsFree() const
@@ -148,9 +182,16 @@ void qcSceneRigid::FindMotionBox(const qcSceneMesh& mesh, btVector3 box[2]) cons
     box[1].setMax(present[1]);
 }
 
-bool qcHasSurfaces(const btCollisionObject* object)
+void qcSoftBodyMeshes::BeginStep(const std::set<btBroadphaseInterface*>& broadphases)
 {
-    return object->hasContactResponse() && object->getInternalType() != btCollisionObject::CO_FEATHERSTONE_LINK;
+    m_starts.Begin(broadphases);
+    m_beginnings.clear();
+    qcForEachObject(broadphases,
+                    [this](btCollisionObject* object, btBroadphaseInterface*)
+                    {
+                        if (const btMultiBodyLinkCollider* link = btMultiBodyLinkCollider::upcast(object))
+                            m_beginnings.emplace(link->m_multiBody, *link->m_multiBody);
+                    });
 }
 
 void qcSoftBodyMeshes::ReadMotions(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep)
@@ -311,7 +352,7 @@ void qcSoftBodyMeshes::KeepReshaped()
 std::vector<qcSceneShape> qcSoftBodyMeshes::ShapesOf(const btCollisionObject* object, bool withSurfaces) const
 {
     std::vector<qcSceneShape> shapes;
-    withSurfaces = withSurfaces && qcHasSurfaces(object);
+    withSurfaces = withSurfaces && object->hasContactResponse();
     auto add = [&](const btCollisionShape* simple, const btTransform& local)
     {
         const qcMeshShape* mesh = qcAsMeshShape(simple);
@@ -441,11 +482,36 @@ std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
     return rigids;
 }
 
+/// Finds the multibody of a link that Bullet moves.
+void qcSoftBodyMeshes::FindMultiBody(qcSceneRigid* rigid)
+{
+    const btMultiBodyLinkCollider* collider = btMultiBodyLinkCollider::upcast(rigid->object);
+    rigid->multibody = nullptr;
+    if (collider == nullptr || !collider->isActive() || !collider->m_multiBody->isAwake())
+        return;
+    auto isIt = [collider](const std::unique_ptr<qcMultiBodyMotion>& known)
+    { return &known->Body() == collider->m_multiBody; };
+    auto found = std::find_if(m_multibodies.begin(), m_multibodies.end(), isIt);
+    if (found == m_multibodies.end())
+    {
+        auto beginning = m_beginnings.find(collider->m_multiBody);
+        const qcJointPositions* start = beginning != m_beginnings.end() ? &beginning->second : nullptr;
+        found = m_multibodies.emplace(found, new qcMultiBodyMotion(*collider->m_multiBody, start));
+    }
+    if (!m_starts.StartsAtBegin(collider))
+        (*found)->ForgetStart();
+    const size_t link = (*found)->AddLink(collider->m_link);
+    rigid->multibody = (*found)->CanMove(link) ? found->get() : nullptr;
+    rigid->link = link;
+}
+
 /// Appends the object, with its meshes in the scene. After a failure it is not tracked, and none of them is there.
 qcStatus qcSoftBodyMeshes::Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid)
 {
     qcActivity previous = rigid->activity;
     ReadState(rigid.get(), m_starts.StartOf(rigid->object));
+    FindMultiBody(rigid.get());
+    rigid->isGuided = rigid->CanMove() && !rigid->IsFree();
     qcStatus status = qc_statusOk;
     for (qcSceneMesh& mesh : rigid->meshes)
         if (status == qc_statusOk && mesh.id.generation == 0)
@@ -479,6 +545,7 @@ qcStatus qcSoftBodyMeshes::Sync(qcScene* scene)
         if (gone)
             RemoveMeshes(scene, *gone);
     m_rigids.clear();
+    m_multibodies.clear();
     m_surfaces.EndStep();
     qcStatus status = qc_statusOk;
     for (std::unique_ptr<qcSceneRigid>& rigid : rigids)
@@ -509,7 +576,7 @@ qcStatus qcSoftBodyMeshes::Extend(qcScene* scene, bool* added)
         auto isThere = [&](const std::unique_ptr<qcSceneRigid>& rigid)
         {
             bool hasAll = rigid->withSurfaces >= overlap.withSurfaces && Cover(*rigid, overlap);
-            return rigid->object == overlap.object && (hasAll || rigid->body != nullptr);
+            return rigid->object == overlap.object && (hasAll || rigid->CanMove());
         };
         if (std::any_of(m_rigids.begin(), m_rigids.end(), isThere))
             continue;
@@ -563,21 +630,26 @@ void qcSoftBodyMeshes::AddMotionBoxes(btScalar reach, qcMotionBoxes* boxes) cons
         }
 }
 
-void qcSoftBodyMeshes::Commit()
+bool qcSoftBodyMeshes::Commit()
 {
+    bool any = false;
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
     {
-        if (rigid->linear.isZero() && rigid->angular.isZero())
+        const qcRigidDisplacement pushed = rigid->pushed;
+        if (pushed.linear.isZero() && pushed.angular.isZero())
             continue;
         btTransform moved;
-        btTransformUtil::integrateTransform(rigid->object->getWorldTransform(), rigid->linear, rigid->angular, 1,
+        btTransformUtil::integrateTransform(rigid->object->getWorldTransform(), pushed.linear, pushed.angular, 1,
                                             moved);
         rigid->object->setWorldTransform(moved);
-        rigid->movedLinear += rigid->linear;
-        rigid->movedAngular += rigid->angular;
-        rigid->linear.setZero();
-        rigid->angular.setZero();
+        rigid->moved.linear += pushed.linear;
+        rigid->moved.angular += pushed.angular;
+        rigid->pushed = qcRigidDisplacement();
+        any = true;
     }
+    for (const std::unique_ptr<qcMultiBodyMotion>& multibody : m_multibodies)
+        any = multibody->Commit() || any;
+    return any;
 }
 
 void qcSoftBodyMeshes::MoveFromStart(qcSceneRigid& rigid, const btTransform& motion)
@@ -593,7 +665,7 @@ void qcSoftBodyMeshes::UpdateVelocities(btScalar timeStep)
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
     {
         btRigidBody* body = rigid->body;
-        bool moved = rigid->fromStart || !rigid->movedLinear.isZero() || !rigid->movedAngular.isZero();
+        bool moved = rigid->fromStart || !rigid->moved.linear.isZero() || !rigid->moved.angular.isZero();
         if (body == nullptr || !moved)
             continue;
         if (rigid->fromStart)
@@ -606,15 +678,16 @@ void qcSoftBodyMeshes::UpdateVelocities(btScalar timeStep)
         }
         else
         {
-            body->setLinearVelocity(body->getLinearVelocity() + rigid->movedLinear / timeStep);
-            body->setAngularVelocity(body->getAngularVelocity() + rigid->movedAngular / timeStep);
+            body->setLinearVelocity(body->getLinearVelocity() + rigid->moved.linear / timeStep);
+            body->setAngularVelocity(body->getAngularVelocity() + rigid->moved.angular / timeStep);
         }
         // Also sets Bullet's interpolation transform and the inertia tensor in world space.
         body->setCenterOfMassTransform(btTransform(rigid->object->getWorldTransform()));
         rigid->fromStart = false;
-        rigid->movedLinear.setZero();
-        rigid->movedAngular.setZero();
+        rigid->moved = qcRigidDisplacement();
     }
+    for (const std::unique_ptr<qcMultiBodyMotion>& multibody : m_multibodies)
+        multibody->UpdateVelocities(timeStep);
     RecordEnds();
 }
 
@@ -627,6 +700,27 @@ bool qcSoftBodyMeshes::Fix(const std::vector<const btCollisionObject*>& objects)
     return any;
 }
 
+bool qcSoftBodyMeshes::ReturnToStart(const std::vector<qcSceneRigid*>& rigids)
+{
+    bool any = false;
+    for (qcSceneRigid* returned : rigids)
+    {
+        qcMultiBodyMotion* multibody = returned->multibody;
+        if (!returned->isGuided || returned->isFixed || (multibody != nullptr && !multibody->ReturnToStart()))
+            continue;
+        any = true;
+        if (multibody == nullptr)
+        {
+            returned->isFixed = returned->fromStart = true;
+            returned->object->setWorldTransform(returned->start);
+        }
+        else
+            for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
+                rigid->isFixed = rigid->isFixed || rigid->multibody == multibody;
+    }
+    return any;
+}
+
 void qcSoftBodyMeshes::RecordEnds()
 {
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
@@ -635,17 +729,21 @@ void qcSoftBodyMeshes::RecordEnds()
         rigid->end = rigid->object->getWorldTransform();
         m_starts.RecordEnd(rigid->object);
     }
+    // Links that are near no soft body have moved, too.
+    for (const std::unique_ptr<qcMultiBodyMotion>& multibody : m_multibodies)
+        multibody->ForEachMovedCollider([this](const btCollisionObject* link) { m_starts.RecordEnd(link); });
 }
 
 void qcSoftBodyMeshes::Restore()
 {
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
     {
-        rigid->linear.setZero();
-        rigid->angular.setZero();
+        rigid->pushed = qcRigidDisplacement();
         if (rigid->body != nullptr)
             rigid->object->setWorldTransform(rigid->solved);
     }
+    for (const std::unique_ptr<qcMultiBodyMotion>& multibody : m_multibodies)
+        multibody->Restore();
     RecordEnds();
 }
 

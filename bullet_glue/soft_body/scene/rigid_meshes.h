@@ -4,6 +4,7 @@
 #define QC_GLUE_SOFT_BODY_SCENE_RIGID_MESHES_H
 
 #include "soft_body/scene/lone_bodies.h"
+#include "soft_body/scene/multibody_motion.h"
 #include "soft_body/scene/object_starts.h"
 #include "soft_body/scene/reshaped_objects.h"
 #include "soft_body/scene/scene_mesh.h"
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <unordered_map>
 #include <vector>
 
 class btBroadphaseInterface;
@@ -27,22 +29,35 @@ struct qcSceneRigid
     std::vector<qcSceneShape> shapes;
     std::vector<qcSceneMesh> meshes; ///< one for each shape that has triangles
     qcActivity activity = qc_activityMoving;
-    btRigidBody* body = nullptr;                     ///< null: contacts can't move the object
+    btRigidBody* body = nullptr;                     ///< null: contacts move no rigid body
+    qcMultiBodyMotion* multibody = nullptr;          ///< null: contacts move no link of a multibody
+    size_t link = 0;                                 ///< of it
     btTransform start = btTransform::getIdentity();  ///< of the object, at the start of the step
     btTransform solved = btTransform::getIdentity(); ///< of the object, after Bullet's own solvers
 
-    //  Translation of the centre and rotation vector that contacts gave it since the last Commit, and in the step.
-    btVector3 linear{0, 0, 0}, angular{0, 0, 0};
-    btVector3 movedLinear{0, 0, 0}, movedAngular{0, 0, 0};
-    bool isFixed = false;   ///< contacts of this step move it no further: another rigid mesh has stopped it
+    bool isGuided = false;      ///< it can move, and not in all directions alike: joints or factors guide it
+    qcRigidDisplacement pushed; ///< of its body, by contacts since the last Commit
+    qcRigidDisplacement moved;  ///< of its body, by Commit since the last UpdateVelocities
+    bool isFixed = false; ///< contacts of this step move it no further: its limits have stopped it, or it has returned
     bool fromStart = false; ///< a zone moves it from the start of the step, which determines its velocity, too
     bool hasEnd = false;    ///< the object was in the previous step
     btTransform end = btTransform::getIdentity(); ///< of the object, at the end of the previous step
 
+    /// True if contacts can move the object.
+    bool CanMove() const
+    {
+        return !isFixed && (body != nullptr || multibody != nullptr);
+    }
     /// Displacement of the point at `arm` from the centre, if `push` acts there: an impulse times the time step.
     btVector3 DisplacementAt(const btVector3& arm, const btVector3& push) const;
-    /// Adds the motion by this push to `linear` and `angular`.
+    /// Likewise, of the object.
+    qcRigidDisplacement DisplacementBy(const btVector3& arm, const btVector3& push) const;
+    /// Adds the motion by this push: of the object, or of all links of its multibody.
     void Push(const btVector3& arm, const btVector3& push);
+    /// Displacement of the point at `arm` from the centre by the pushes since the last Commit.
+    btVector3 PushedAt(const btVector3& arm) const;
+    /// Wakes it, and its multibody.
+    void Wake() const;
     /// True if it can take any rigid motion: it is dynamic, and no factor or infinite inertia restricts it.
     bool IsFree() const;
     /// Has meshes deform from those of the previous step: see qcSceneMesh::DeformFrom.
@@ -72,18 +87,11 @@ struct qcSceneRigid
     void FindMotionBox(const qcSceneMesh& mesh, btVector3 box[2]) const;
 };
 
-/// True if the surfaces of the object's shapes collide with soft bodies: false for links of multibodies and for objects
-/// without contact response.
-bool qcHasSurfaces(const btCollisionObject* object);
-
 class qcSoftBodyMeshes
 {
   public:
     /// The step starts: Bullet has moved nothing yet.
-    void BeginStep(const std::set<btBroadphaseInterface*>& broadphases)
-    {
-        m_starts.Begin(broadphases);
-    }
+    void BeginStep(const std::set<btBroadphaseInterface*>& broadphases);
     /// Calls function(lower, upper) for the motion of each object that Bullet does not move and others respond to,
     /// where the application has moved it or its triangles since the previous step. O(objects * objects near soft
     /// bodies).
@@ -118,14 +126,17 @@ class qcSoftBodyMeshes
     /// True if each of the objects was in the previous step and starts at its end transform.
     bool StartWhereTheyEnded() const;
 
-    /// Moves objects by the pushes of contacts since the last call.
-    void Commit();
+    /// Moves objects by the pushes of contacts since the last call. False: there were none.
+    bool Commit();
     /// Moves an object from its transform at the start of the step, if it is free.
     void MoveFromStart(qcSceneRigid& rigid, const btTransform& motion);
     /// Changes velocities by the motions of Commit and MoveFromStart since the last call. The step ends here, so far.
     void UpdateVelocities(btScalar timeStep);
     /// Contacts of this step move these objects no further. False: none of them is near a soft body.
     bool Fix(const std::vector<const btCollisionObject*>& objects);
+    /// Returns the guided ones of these objects, and their multibodies, to the start of the step; contacts move them no
+    /// further. False: there are none, or none can return.
+    bool ReturnToStart(const std::vector<qcSceneRigid*>& rigids);
     /// Ends the step, and undoes all motions.
     void Restore();
 
@@ -161,6 +172,7 @@ class qcSoftBodyMeshes
     void FindMeshes(qcSceneRigid* rigid, const Overlap& overlap);
     std::unique_ptr<qcSceneRigid> MakeRigid(const Overlap& overlap) const;
     std::vector<std::unique_ptr<qcSceneRigid>> TakeTracked();
+    void FindMultiBody(qcSceneRigid* rigid);
     qcStatus Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid);
     void IndexSlots();
     void RecordEnds();
@@ -176,6 +188,8 @@ class qcSoftBodyMeshes
     /// By unique id, in the order in which they were added; then those of Extend.
     std::vector<std::unique_ptr<qcSceneRigid>> m_rigids;
     std::vector<std::pair<qcSceneRigid*, size_t>> m_meshOfSlot;
+    std::vector<std::unique_ptr<qcMultiBodyMotion>> m_multibodies;         ///< that have links among the objects
+    std::unordered_map<const btMultiBody*, qcJointPositions> m_beginnings; ///< of the step, of all multibodies
 };
 
 #endif

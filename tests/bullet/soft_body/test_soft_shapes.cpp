@@ -308,25 +308,32 @@ START_TEST(cloth_slides_along_a_plane_for_any_distance)
 }
 END_TEST
 
-START_TEST(bullets_contacts_stay_for_links_of_multibodies)
+START_TEST(bullets_contacts_of_links_of_multibodies_are_on_request)
 {
-    qcShapeScene scene(qc_shapePlane, 16);
-    btMultiBody multibody(0, 1, btVector3(1, 1, 1), true, false);
-    btMultiBodyLinkCollider link(&multibody, -1);
-    btBoxShape shape(btVector3(2, btScalar(0.1), 2));
-    link.setCollisionShape(&shape);
-    link.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, btScalar(0.15), 0)));
-    multibody.setBaseCollider(&link);
-    multibody.finalizeMultiDof();
-    scene.world.addCollisionObject(&link);
-    int nodes = 0;
-    for (int step = 0; step < 60; step++)
+    for (bool isBullets : {false, true})
     {
-        scene.Step();
-        nodes += scene.cloth->m_rcontacts.size();
+        qcShapeScene scene(qc_shapePlane, 16);
+        btMultiBody multibody(0, 1, btVector3(1, 1, 1), true, false);
+        btMultiBodyLinkCollider link(&multibody, -1);
+        btBoxShape shape(btVector3(2, btScalar(0.1), 2));
+        link.setCollisionShape(&shape);
+        link.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, btScalar(0.15), 0)));
+        multibody.setBaseCollider(&link);
+        multibody.finalizeMultiDof();
+        scene.world.addCollisionObject(&link);
+        if (isBullets)
+            scene.UseBulletsContacts();
+        int nodes = 0;
+        for (int step = 0; step < 60; step++)
+        {
+            scene.Step();
+            nodes += scene.cloth->m_rcontacts.size();
+        }
+        ck_assert_int_eq(nodes > 100, isBullets);
+        ck_assert_int_eq(nodes == 0, !isBullets);
+        ck_assert_double_gt(double(qcLowestNode(scene.cloth)), 0.2);
+        scene.world.removeCollisionObject(&link);
     }
-    ck_assert_int_gt(nodes, 100);
-    scene.world.removeCollisionObject(&link);
 }
 END_TEST
 
@@ -493,7 +500,7 @@ QC_TEST_MAIN()
     qcAddLoop(tests, cloth_and_a_free_shape_keep_momentum, 5);
     qcAddLoop(tests, a_kinematic_shape_takes_cloth_along_at_20_metres_a_second, 4);
     tcase_add_test(tests, cloth_slides_along_a_plane_for_any_distance);
-    tcase_add_test(tests, bullets_contacts_stay_for_links_of_multibodies);
+    tcase_add_test(tests, bullets_contacts_of_links_of_multibodies_are_on_request);
     tcase_add_test(tests, after_a_failed_query_bullets_contacts_hold);
     tcase_add_test(tests, filters_sensors_and_disabled_pairs_let_cloth_pass);
     tcase_add_test(tests, a_changed_shape_is_read_again);

@@ -1,0 +1,116 @@
+// A multibody with links near soft bodies: how pushes on its links move it.
+//
+// A push on one link moves all others, too: by Featherstone's algorithm, in Bullet's btMultiBody. It takes a force on
+// the joints to their acceleration; so it takes an impulse to a velocity, and a push, an impulse times the time step,
+// to a displacement.
+#ifndef QC_GLUE_SOFT_BODY_SCENE_MULTIBODY_MOTION_H
+#define QC_GLUE_SOFT_BODY_SCENE_MULTIBODY_MOTION_H
+
+#include <BulletDynamics/Featherstone/btMultiBody.h>
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+/// A rotation vector, and a translation of the centre.
+struct qcRigidDisplacement
+{
+    btVector3 angular{0, 0, 0}, linear{0, 0, 0};
+
+    /// The displacement of the point at `arm` from the centre.
+    btVector3 At(const btVector3& arm) const
+    {
+        return linear + angular.cross(arm);
+    }
+};
+
+/// Where the base and the joints of a multibody are.
+class qcJointPositions
+{
+  public:
+    explicit qcJointPositions(const btMultiBody& body);
+    /// Moves them back, and all colliders.
+    void Restore(btMultiBody* body) const;
+
+  private:
+    btVector3 m_basePosition;
+    btQuaternion m_baseRotation;
+    std::vector<std::array<btScalar, 7>> m_joints;
+};
+
+class qcMultiBodyMotion
+{
+  public:
+    /// The multibody where Bullet's step has led it. `start`: where the step began; null: not known.
+    qcMultiBodyMotion(btMultiBody& body, const qcJointPositions* start);
+
+    /// Adds a link, -1 for the base, and returns its index here. O(joints), seven times.
+    size_t AddLink(int link);
+    /// False for a link whose joints up to the base are all fixed, and for a multibody that no world has stepped.
+    bool CanMove(size_t link) const;
+    /// The displacement of a link if `push` acts on it at `arm` from its centre.
+    qcRigidDisplacement DisplacementBy(size_t link, const btVector3& arm, const btVector3& push) const;
+    /// Adds the displacement of all links by this push. O(links here * joints).
+    void Push(size_t link, const btVector3& arm, const btVector3& push);
+    /// The displacement of a link since the last Commit.
+    const qcRigidDisplacement& Displacement(size_t link) const
+    {
+        return m_links[link].displacement;
+    }
+    /// Moves the joints, and the colliders of all links, by the pushes since the last call. False: there were none.
+    bool Commit();
+    /// Changes velocities by the motion of Commit since the last call.
+    void UpdateVelocities(btScalar timeStep);
+    /// Undoes all motion by pushes.
+    void Restore();
+    /// Returns the multibody to where the step began, at rest. False: that is not known.
+    bool ReturnToStart();
+    /// The step did not begin where it starts: the application has put a link elsewhere since the previous one.
+    void ForgetStart()
+    {
+        m_start = nullptr;
+    }
+
+    const btMultiBody& Body() const
+    {
+        return m_body;
+    }
+    /// Calls function(collider) for each link that has one, if pushes have moved the multibody.
+    template <typename Function> void ForEachMovedCollider(Function function) const
+    {
+        if (!m_hasMoved)
+            return;
+        if (m_body.getBaseCollider() != nullptr)
+            function(m_body.getBaseCollider());
+        for (int i = 0; i < m_body.getNumLinks(); i++)
+            if (m_body.getLinkCollider(i) != nullptr)
+                function(m_body.getLinkCollider(i));
+    }
+
+  private:
+    /// Displacements of the base, rotation first, then of the joints: as Bullet orders velocities.
+    using Coordinates = std::vector<btScalar>;
+
+    struct Link
+    {
+        /// By rotation vector and translation of the link: how much of it each coordinate makes, and the displacement
+        /// by a torque or force of 1.
+        std::array<Coordinates, 6> share, response;
+        qcRigidDisplacement displacement;
+    };
+
+    Coordinates CoordinatesBy(const Link& link, const btVector3& arm, const btVector3& push) const;
+    static qcRigidDisplacement DisplacementOf(const Link& link, const Coordinates& moved);
+    void Clear();
+    void KeepFixed(Coordinates* moved) const;
+    void SetVelocities(const Coordinates& velocities);
+
+    btMultiBody& m_body;
+    std::vector<Link> m_links;
+    Coordinates m_pushed, m_moved; ///< since the last Commit; since the last UpdateVelocities
+    bool m_hasMoved = false;
+    const qcJointPositions* m_start;
+    qcJointPositions m_solved; ///< after Bullet's own solvers
+};
+
+#endif
