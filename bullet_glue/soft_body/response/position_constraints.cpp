@@ -229,7 +229,7 @@ bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], con
     // What lies on a shape that has other triangles now goes with them at once.
     Orient(thickness, normal, rigid.isReshaped ? btScalar(1) : qcGapRecovery, constraint);
     // Contact wakes the rigid body, as Bullet's own contact of soft bodies does. It moves from the next step on.
-    if (soft.moves && !rigid.object->isActive() && !rigid.object->isStaticOrKinematicObject())
+    if (soft.moves)
         rigid.Wake();
     return constraint->inverseEffectiveMass > 0 || rigid.CanMove();
 }

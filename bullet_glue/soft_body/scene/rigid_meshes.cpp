@@ -132,8 +132,13 @@ btVector3 qcSceneRigid::PushedAt(const btVector3& arm) const
 
 void qcSceneRigid::Wake() const
 {
+    // Colliders of a multibody that sleeps may be active.
+    const btMultiBodyLinkCollider* collider = btMultiBodyLinkCollider::upcast(object);
+    if (object->isStaticOrKinematicObject() ||
+        (object->isActive() && (collider == nullptr || collider->m_multiBody->isAwake())))
+        return;
     object->activate();
-    if (const btMultiBodyLinkCollider* collider = btMultiBodyLinkCollider::upcast(object))
+    if (collider != nullptr)
         collider->m_multiBody->wakeUp();
 }
 

@@ -56,7 +56,7 @@ struct qcSceneRigid
     void Push(const btVector3& arm, const btVector3& push);
     /// Displacement of the point at `arm` from the centre by the pushes since the last Commit.
     btVector3 PushedAt(const btVector3& arm) const;
-    /// Wakes it, and its multibody.
+    /// Wakes it, and its multibody, if Bullet moves it and it sleeps.
     void Wake() const;
     /// True if it can take any rigid motion: it is dynamic, and no factor or infinite inertia restricts it.
     bool IsFree() const;
