@@ -1,6 +1,8 @@
 // Separating planes between triangles of two meshes that are not proven apart over a step.
 #include "mesh_contact/motion_planes.h"
 
+#include "common/guided_motion.h"
+
 #include <algorithm>
 
 namespace
@@ -55,7 +57,13 @@ struct Yield
         const btRigidBody& body = *swept.body;
         linear = direction * body.getLinearFactor() * body.getInvMass();
         angular = body.getInvInertiaTensorWorld() * arm.cross(direction) * body.getAngularFactor();
-        along = direction.dot(linear) + direction.dot(angular.cross(arm));
+        const btVector3 displacement = linear + angular.cross(arm);
+        along = direction.dot(displacement);
+        if (!qcIsFree(body) && qcIsLedElsewhere(displacement, direction))
+        {
+            linear = angular = btVector3(0, 0, 0);
+            along = 0;
+        }
         // What lies on a floor has it behind: the floor does not give way, and the body neither sinks nor tilts.
         for (const qcSweptFloor& floor : swept.floors)
             if (direction.dot(floor.normal) < 0 && floor.HeightOf(*swept.hull, swept.end) <= 0)

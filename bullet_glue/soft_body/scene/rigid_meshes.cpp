@@ -2,6 +2,7 @@
 #include "soft_body/scene/rigid_meshes.h"
 
 #include "common/compound_children.h"
+#include "common/guided_motion.h"
 #include "common/object_key.h"
 #include "common/object_motion.h"
 #include "common/shape_triangles.h"
@@ -19,8 +20,6 @@ namespace
 // Up to so many objects are compared with a soft body's box one by one. A query of the broadphase, which has the other
 // soft bodies too, takes as long as some 200 comparisons (qc-bench soft --demos, 256 sticks).
 constexpr size_t s_maxCompared = 64;
-// The least part of its displacement by which an object gives way along a push. Along less, rounding would decide.
-constexpr btScalar s_leastAlong = btScalar(0.05);
 
 bool AreSame(const std::vector<qcSceneShape>& a, const std::vector<qcSceneShape>& b)
 {
@@ -89,8 +88,7 @@ void ReadState(qcSceneRigid* rigid, const btTransform& start)
 }
 } // namespace
 
-/// The displacement if `push` acts at `arm` from the centre. None if joints or factors lead the object elsewhere: then
-/// it would have to move far to give way a little.
+/// The displacement if `push` acts at `arm` from the centre; none if that leads a guided object elsewhere.
 qcRigidDisplacement qcSceneRigid::DisplacementBy(const btVector3& arm, const btVector3& push) const
 {
     qcRigidDisplacement by;
@@ -103,9 +101,7 @@ qcRigidDisplacement qcSceneRigid::DisplacementBy(const btVector3& arm, const btV
         by.angular = body->getInvInertiaTensorWorld() * arm.cross(push) * body->getAngularFactor();
         by.linear = push * body->getLinearFactor() * body->getInvMass();
     }
-    const btVector3 at = by.At(arm);
-    bool isLedElsewhere = isGuided && !(at.dot(push) > s_leastAlong * at.length() * push.length());
-    return isLedElsewhere ? qcRigidDisplacement() : by;
+    return isGuided && qcIsLedElsewhere(by.At(arm), push) ? qcRigidDisplacement() : by;
 }
 
 btVector3 qcSceneRigid::DisplacementAt(const btVector3& arm, const btVector3& push) const
@@ -144,11 +140,7 @@ void qcSceneRigid::Wake() const
 
 bool qcSceneRigid::IsFree() const
 {
-    const btVector3 all(1, 1, 1);
-    if (body == nullptr || isFixed || body->getInvMass() <= 0)
-        return false;
-    const btVector3& turns = body->getInvInertiaDiagLocal();
-    return turns[turns.minAxis()] > 0 && body->getLinearFactor() == all && body->getAngularFactor() == all;
+    return body != nullptr && !isFixed && qcIsFree(*body);
 }
 
 btTransform qcSceneRigid::MotionTo(const btTransform& transform) const

@@ -224,6 +224,40 @@ START_TEST(needles_that_spin_and_are_stopped_gain_no_energy)
 }
 END_TEST
 
+START_TEST(a_body_that_its_factors_guide_stops_where_a_wall_comes_close)
+{
+    // The wall leans over the way of the body, by up to two degrees: to give way along its normal the body would have
+    // to move back by metres.
+    const qcModel wall = qcBoxModel(btVector3(btScalar(0.1), 20, 3), 4), ball = qcSphereModel(0.5, 3);
+    for (btScalar lean : {btScalar(0), btScalar(1e-6), btScalar(0.01), btScalar(0.04)})
+        for (btScalar speed : {btScalar(2), btScalar(20), btScalar(80)})
+        {
+            qcMeshWorld world;
+            btRigidBody* body = world.Add(world.Keep(ball.MakeShape(btScalar(0.005))), 1,
+                                          At(btVector3(0, 5, 0), btVector3(1, 2, 3).normalized(), btScalar(0.7)));
+            btRigidBody* fixed = world.Add(world.Keep(wall.MakeShape(btScalar(0.005))), 0,
+                                           At(btVector3(btScalar(-0.62), 0, 0), btVector3(0, 0, 1), lean));
+            body->setLinearFactor(btVector3(0, 1, 0));
+            body->setAngularFactor(btVector3(0, 0, 0));
+            body->setLinearVelocity(btVector3(0, -speed, 0));
+            body->setAngularVelocity(btVector3(3, 2, 5));
+            qcMotionOracle oracle;
+            oracle.Add(ball, body);
+            oracle.Add(wall, fixed);
+            for (int i = 0; i < 120; i++)
+            {
+                const btScalar height = body->getWorldTransform().getOrigin().y();
+                const btScalar way = (btFabs(body->getLinearVelocity().y()) + 1) * qcStep;
+                world.Step();
+                ck_assert_uint_eq(oracle.Count(), 0);
+                ck_assert_int_eq(world.contact.getStatistics().unproven, 0);
+                ck_assert_double_lt(double(btFabs(body->getWorldTransform().getOrigin().y() - height)),
+                                    double(way) + 0.06);
+            }
+        }
+}
+END_TEST
+
 START_TEST(a_kinematic_sheet_takes_along_what_it_sweeps_over)
 {
     qcModel sheet = SheetModel();
@@ -474,6 +508,7 @@ QC_TEST_MAIN()
     tcase_add_test(tests, new_bodies_that_touch_do_not_sink_into_each_other);
     tcase_add_test(tests, a_fast_spinning_bar_does_not_pass_a_thin_post);
     tcase_add_test(tests, needles_that_spin_and_are_stopped_gain_no_energy);
+    tcase_add_test(tests, a_body_that_its_factors_guide_stops_where_a_wall_comes_close);
     tcase_add_test(tests, a_kinematic_sheet_takes_along_what_it_sweeps_over);
     tcase_add_test(tests, what_a_kinematic_mesh_crushes_is_counted);
     tcase_add_test(tests, a_kinematic_mesh_that_is_put_elsewhere_sweeps_over_nothing);

@@ -1,0 +1,23 @@
+// Bodies that joints or factors guide: they give way to a push in some directions, and in others hardly or not at all.
+#ifndef QC_GLUE_COMMON_GUIDED_MOTION_H
+#define QC_GLUE_COMMON_GUIDED_MOTION_H
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+/// True if a dynamic body can take any rigid motion: no factor and no infinite inertia restricts it.
+inline bool qcIsFree(const btRigidBody& body)
+{
+    const btVector3 all(1, 1, 1), &turns = body.getInvInertiaDiagLocal();
+    return body.getInvMass() > 0 && turns[turns.minAxis()] > 0 && body.getLinearFactor() == all &&
+           body.getAngularFactor() == all;
+}
+
+/// True if the displacement by a push on an object that is guided leads elsewhere: it would have to move 20 times as
+/// far as it gives way, or further, up to where rounding decides. Such an object stays.
+inline bool qcIsLedElsewhere(const btVector3& displacement, const btVector3& push)
+{
+    const btScalar leastAlong = btScalar(0.05);
+    return !(displacement.dot(push) > leastAlong * displacement.length() * push.length());
+}
+
+#endif
