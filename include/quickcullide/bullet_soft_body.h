@@ -91,7 +91,7 @@ struct qcSoftBodyStatistics
 /// edges with edges within the thickness, on the side from which they came. Last, every pair of triangles without a
 /// common node that was apart at the start of the step is proven to be apart over the whole of it
 /// (qcSoftBodySettings::continuous): nothing passes anything at any speed. What can't be proven is pushed apart, moved
-/// as one, or returned to its start. Only kinematic meshes and pinned nodes that leave no room are an exception
+/// as one, or returned to its start. Only kinematic meshes and links, and pinned nodes, that leave no room are an exception
 /// (qcSoftBodyStatistics::unproven). Momentum is conserved. The theorem and its limits: plugin/docs/never_through.md.
 ///
 /// Tangled starts: triangles that penetrate at the start of a step are exempt, so a scene may start tangled. Each step
@@ -111,8 +111,9 @@ struct qcSoftBodyStatistics
 ///
 /// Rigid bodies: a soft body collides with each qcMeshShape, and with the surfaces of Bullet's own shapes as triangles;
 /// static, kinematic or moving, also in compounds; unless its collision flags have none of fCollision::RVSmask. Both
-/// move, by mass; links of multibodies don't. Triangles with an anchored node don't collide with the body of the
-/// anchor.
+/// move, by mass. Links of multibodies are such bodies, in worlds of either kind (btSoftMultiBodyDynamicsWorld,
+/// qcDeformableWorld): contact moves the joints by their inertia alone, and Bullet solves their limits and motors in the
+/// next step. Triangles with an anchored node don't collide with the body of the anchor.
 /// - Boxes and polyhedra have their own faces. Spheres, capsules, cylinders, cones and any other convex shape have
 ///   triangles around them that are at most half the surface's margin away or, at the limit of 4096, a hundredth of
 ///   their size. Static triangle meshes, btGImpactMeshShape and terrains have theirs; of planes, and of meshes with
@@ -121,8 +122,8 @@ struct qcSoftBodyStatistics
 /// - The margin of a surface: Bullet's, where the shape proper lies inside of it (polyhedra, cones, meshes), but at
 ///   least that of a qcMeshShape; otherwise 1 cm, at most an eighth of the smallest half extent.
 /// - Bullet's own tests, of nodes or clusters, stay for bodies with qcSoftBodySettings::bulletNodeContacts or
-///   fCollision::CL_RS or of the reduced model, for links of multibodies, objects without contact response,
-///   btSdfCollisionShape and compounds of GImpact, and for the step after a failed query.
+///   fCollision::CL_RS or of the reduced model, for objects without contact response, btSdfCollisionShape and compounds
+///   of GImpact, and for the step after a failed query.
 /// In the classic world, contacts with fixed bodies are in Bullet's solver too, as soft contacts while it runs: links
 /// don't pull cloth that hangs over an edge into the body.
 ///
