@@ -12,7 +12,7 @@
 
 namespace
 {
-btVector3 CenterOf(const btMultiBody& body, int link)
+btVector3 CenterOfLink(const btMultiBody& body, int link)
 {
     return body.localPosToWorld(link, btVector3(0, 0, 0));
 }
@@ -83,8 +83,8 @@ size_t qcMultiBodyMotion::AddLink(int link)
         btVector3 axis(0, 0, 0), none(0, 0, 0);
         axis[int(k % 3)] = 1;
         added.share[k] = added.response[k] = Coordinates(m_pushed.size(), btScalar(0));
-        m_body.fillConstraintJacobianMultiDof(link, CenterOf(m_body, link), k < 3 ? axis : none, k < 3 ? none : axis,
-                                              added.share[k].data(), scalars, vectors, matrices);
+        m_body.fillConstraintJacobianMultiDof(link, CenterOfLink(m_body, link), k < 3 ? axis : none,
+                                              k < 3 ? none : axis, added.share[k].data(), scalars, vectors, matrices);
         m_body.calcAccelerationDeltasMultiDof(added.share[k].data(), added.response[k].data(), scalars, vectors);
         KeepFixed(&added.response[k]);
         // Nothing is known of a multibody that no world has stepped, and nothing moves it.

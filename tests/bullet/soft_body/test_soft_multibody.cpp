@@ -37,7 +37,7 @@ void SetUpChain(qcRobot& robot, const btVector3& at)
         robot.AddBox(link, s_chainHalf);
 }
 
-btScalar EnergyOf(const btSoftBody* cloth, const btVector3& gravity)
+btScalar ClothEnergy(const btSoftBody* cloth, const btVector3& gravity)
 {
     btScalar sum = 0;
     for (int i = 0; i < cloth->m_nodes.size(); i++)
@@ -164,7 +164,7 @@ START_TEST(contact_keeps_the_momentum_of_cloth_and_links)
         ck_assert_uint_eq(oracle.Count(), 0);
         // Bullet's own integration of such joints, without contact, changes it by 0.1 to 0.2.
         ck_assert_double_lt(double((robot.Momentum() + qcMomentumOf(cloth) - momentum).length()), 0.12);
-        ck_assert_double_lt(double(robot.Energy(s_none) + EnergyOf(cloth, s_none)), 1.01 * double(energy));
+        ck_assert_double_lt(double(robot.Energy(s_none) + ClothEnergy(cloth, s_none)), 1.01 * double(energy));
     }
     // The cloth has taken a good part.
     ck_assert_double_lt(double(qcMomentumOf(cloth).y()), -1);
@@ -182,13 +182,13 @@ START_TEST(a_cloth_catches_a_chain_of_links)
     qcMotionOracle oracle;
     oracle.Add([cloth] { return qcWorldMeshOf(cloth); });
     robot.Watch(oracle);
-    btScalar last = robot.Energy(s_gravity) + EnergyOf(cloth, s_gravity);
+    btScalar last = robot.Energy(s_gravity) + ClothEnergy(cloth, s_gravity);
     for (btScalar time = 0; time < 5; time += world->TimeStep())
     {
         world->Step();
         ck_assert_uint_eq(oracle.Count(), 0);
     }
-    ck_assert_double_lt(double(robot.Energy(s_gravity) + EnergyOf(cloth, s_gravity)), double(last));
+    ck_assert_double_lt(double(robot.Energy(s_gravity) + ClothEnergy(cloth, s_gravity)), double(last));
     // In the hollow that it has made.
     const btScalar lowest = qcLowestNode(cloth), height = robot.Body().getBasePos().y();
     ck_assert_double_lt(double(lowest), -0.1);
