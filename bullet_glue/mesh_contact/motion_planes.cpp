@@ -57,9 +57,8 @@ struct Yield
         const btRigidBody& body = *swept.body;
         linear = direction * body.getLinearFactor() * body.getInvMass();
         angular = body.getInvInertiaTensorWorld() * arm.cross(direction) * body.getAngularFactor();
-        const btVector3 displacement = linear + angular.cross(arm);
-        along = direction.dot(displacement);
-        if (!qcIsFree(body) && qcIsLedElsewhere(displacement, direction))
+        along = direction.dot(linear) + direction.dot(angular.cross(arm));
+        if (!qcIsFree(body) && qcIsLedElsewhere(linear + angular.cross(arm), direction))
         {
             linear = angular = btVector3(0, 0, 0);
             along = 0;

@@ -38,7 +38,7 @@ btVector3 Offset(const qcSoftConstraint& constraint)
     for (int i = 0; i < constraint.nodeCount; i++)
         offset += constraint.weight[i] * *constraint.position[i];
     if (const qcSceneRigid* rigid = constraint.rigid)
-        offset -= constraint.point + rigid->PushedAt(constraint.arm);
+        offset -= constraint.point + rigid->Pushed().linear + rigid->Pushed().angular.cross(constraint.arm);
     return offset;
 }
 

@@ -201,27 +201,26 @@ bool qcSoftZones::Add(const qcPair& pair)
 btTransform qcSoftZones::FindMotion(const std::vector<uint32_t>& zone, bool rotates) const
 {
     RigidMotion mean;
+    const Member* guided = nullptr;
     for (uint32_t index : zone)
     {
         const Member& member = m_members[index];
-        if (member.rigid != nullptr && !member.rigid->CanMove())
-            return member.rigid->MotionTo(member.target);
-    }
-    for (uint32_t index : zone)
-    {
-        const Member& member = m_members[index];
-        if (member.rigid != nullptr)
+        if (member.rigid == nullptr)
         {
-            if (!member.rigid->IsFree())
-                return member.rigid->MotionTo(member.target);
-            mean.AddMass(*member.rigid);
-            continue;
+            const btVector3& start = member.soft->start[member.node];
+            if (member.soft->InverseMass(member.node) == 0)
+                return Translation(member.target.getOrigin() - start);
+            mean.AddMass(start, 1 / member.soft->InverseMass(member.node));
         }
-        const btVector3& start = member.soft->start[member.node];
-        if (member.soft->InverseMass(member.node) == 0)
-            return Translation(member.target.getOrigin() - start);
-        mean.AddMass(start, 1 / member.soft->InverseMass(member.node));
+        else if (member.rigid->isFixed || !member.rigid->CanMove())
+            return member.rigid->MotionTo(member.target);
+        else if (member.rigid->IsFree())
+            mean.AddMass(*member.rigid);
+        else if (guided == nullptr)
+            guided = &member;
     }
+    if (guided != nullptr)
+        return guided->rigid->MotionTo(guided->target);
     mean.FindCenter();
     for (uint32_t index : zone)
     {

@@ -39,7 +39,7 @@ btVector3 EndOfMesh(const qcPlaneSide& side, uint32_t vertex, btVector3* arm)
     const qcSceneRigid& rigid = *side.rigid;
     const btVector3 end = rigid.PresentOf(*side.mesh, vertex);
     *arm = end - rigid.object->getWorldTransform().getOrigin();
-    return end + rigid.PushedAt(*arm);
+    return end + rigid.Pushed().At(*arm);
 }
 
 /// The least height of a triangle's corners above an origin.

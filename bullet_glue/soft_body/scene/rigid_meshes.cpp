@@ -121,11 +121,6 @@ void qcSceneRigid::Push(const btVector3& arm, const btVector3& push)
         multibody->Push(link, arm, push);
 }
 
-btVector3 qcSceneRigid::PushedAt(const btVector3& arm) const
-{
-    return (multibody != nullptr ? multibody->Displacement(link) : pushed).At(arm);
-}
-
 void qcSceneRigid::Wake() const
 {
     // Colliders of a multibody that sleeps may be active.

@@ -43,10 +43,10 @@ struct qcSceneRigid
     bool hasEnd = false;    ///< the object was in the previous step
     btTransform end = btTransform::getIdentity(); ///< of the object, at the end of the previous step
 
-    /// True if contacts can move the object.
+    /// True if contacts can move the object, unless it is fixed.
     bool CanMove() const
     {
-        return !isFixed && (body != nullptr || multibody != nullptr);
+        return body != nullptr || multibody != nullptr;
     }
     /// Displacement of the point at `arm` from the centre, if `push` acts there: an impulse times the time step.
     btVector3 DisplacementAt(const btVector3& arm, const btVector3& push) const;
@@ -54,8 +54,11 @@ struct qcSceneRigid
     qcRigidDisplacement DisplacementBy(const btVector3& arm, const btVector3& push) const;
     /// Adds the motion by this push: of the object, or of all links of its multibody.
     void Push(const btVector3& arm, const btVector3& push);
-    /// Displacement of the point at `arm` from the centre by the pushes since the last Commit.
-    btVector3 PushedAt(const btVector3& arm) const;
+    /// Displacement by the pushes since the last Commit.
+    const qcRigidDisplacement& Pushed() const
+    {
+        return multibody != nullptr ? multibody->Displacement(link) : pushed;
+    }
     /// Wakes it, and its multibody, if Bullet moves it and it sleeps.
     void Wake() const;
     /// True if it can take any rigid motion: it is dynamic, and no factor or infinite inertia restricts it.
