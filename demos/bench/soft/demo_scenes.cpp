@@ -261,6 +261,12 @@ void MakeDeformableLayers(qcDemoScene& scene)
         AddDeformableCloth(scene, MakePatch(scene, btVector3(0, btScalar(i) / 10, 0), btScalar(0.8), 21, 0),
                            btScalar(0.02), 4);
 }
+
+void MakeChain(qcDemoScene& scene)
+{
+    AddDeformableCloth(scene, MakePatch(scene, btVector3(0, 0, 0), 4, 20, 1 + 2 + 4 + 8), btScalar(0.025), 30);
+    scene.AddChain(5, btVector3(0, 10, 0), btVector3(btScalar(0.4), 1, btScalar(0.4)));
+}
 } // namespace
 
 const std::vector<qcDemoSceneDef>& qcDemoScenes()
@@ -280,6 +286,7 @@ const std::vector<qcDemoSceneDef>& qcDemoScenes()
         {"5 tori of clusters", false, MakeClusterStack},
         {"deformable cloth, 5 bodies", true, MakeDeformableCloth},
         {"2 deformable cloths", true, MakeDeformableLayers},
+        {"deformable cloth, 5 links", true, MakeChain},
     };
     return scenes;
 }

@@ -37,6 +37,8 @@ class qcDemoScene
     void Add(btSoftBody* body, std::vector<btDeformableLagrangianForce*> forces = {});
     /// Returns the body, which the scene owns, as the shape. Mass 0: static.
     btRigidBody* AddRigid(btScalar mass, const btVector3& place, btCollisionShape* shape);
+    /// Adds a multibody of boxes of 0.1 kg, each hinged to the one above. The world is deformable.
+    void AddChain(int boxes, const btVector3& place, const btVector3& half);
 
   private:
     struct World;

@@ -3,6 +3,9 @@
 #include "bench/soft/soft_scene.h"
 #include "bench/soft/tangle_scene.h"
 
+#include <BulletDynamics/Featherstone/btMultiBody.h>
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
+
 /// Members are in the order in which Bullet requires them to be made.
 struct qcDemoScene::World
 {
@@ -20,6 +23,8 @@ struct qcDemoScene::World
     btDefaultSoftBodySolver bullets;
     std::unique_ptr<btSoftRigidDynamicsWorld> classic;              ///< or null
     std::unique_ptr<btDeformableMultiBodyDynamicsWorld> deformable; ///< or null
+    std::unique_ptr<btMultiBody> chain;                             ///< or null
+    std::vector<std::unique_ptr<btMultiBodyLinkCollider>> links;    ///< of the chain
     qcSoftBodyContact* contact = nullptr;                           ///< null: Bullet's
 
     btDiscreteDynamicsWorld& Dynamics()
@@ -71,6 +76,10 @@ qcDemoScene::~qcDemoScene()
             m_world->deformable->removeSoftBody(body.get());
     for (const auto& body : m_world->rigid)
         m_world->Dynamics().removeRigidBody(body.get());
+    for (const auto& link : m_world->links)
+        m_world->Dynamics().removeCollisionObject(link.get());
+    if (m_world->chain)
+        m_world->deformable->removeMultiBody(m_world->chain.get());
 }
 
 void qcDemoScene::Step()
@@ -131,4 +140,36 @@ btRigidBody* qcDemoScene::AddRigid(btScalar mass, const btVector3& place, btColl
     body->setWorldTransform(btTransform(btQuaternion::getIdentity(), place));
     m_world->Dynamics().addRigidBody(body);
     return body;
+}
+
+void qcDemoScene::AddChain(int boxes, const btVector3& place, const btVector3& half)
+{
+    const btScalar mass = btScalar(0.1);
+    const btVector3 down(0, -half.y(), 0);
+    btVector3 inertia;
+    m_world->shapes.emplace_back(new btBoxShape(half));
+    btCollisionShape* shape = m_world->shapes.back().get();
+    shape->calculateLocalInertia(mass, inertia);
+    m_world->chain.reset(new btMultiBody(boxes - 1, mass, inertia, false, false));
+    btMultiBody& chain = *m_world->chain;
+    chain.setBasePos(place);
+    for (int i = 0; i + 1 < boxes; i++)
+        chain.setupRevolute(i, mass, inertia, i - 1, btQuaternion::getIdentity(), btVector3(1, 0, 0), down, down, true);
+    chain.finalizeMultiDof();
+    m_world->deformable->addMultiBody(&chain);
+    for (int i = -1; i + 1 < boxes; i++)
+    {
+        m_world->links.emplace_back(new btMultiBodyLinkCollider(&chain, i));
+        btMultiBodyLinkCollider* link = m_world->links.back().get();
+        link->setCollisionShape(shape);
+        m_world->Dynamics().addCollisionObject(link, btBroadphaseProxy::DefaultFilter, btBroadphaseProxy::AllFilter);
+        if (i < 0)
+            chain.setBaseCollider(link);
+        else
+            chain.getLink(i).m_collider = link;
+    }
+    btAlignedObjectArray<btQuaternion> rotations;
+    btAlignedObjectArray<btVector3> origins;
+    chain.forwardKinematics(rotations, origins);
+    chain.updateCollisionObjectWorldTransforms(rotations, origins);
 }
