@@ -26,6 +26,9 @@ constexpr int s_iterations = 8;
 constexpr int s_contactRounds = 4;
 // Rounds of planes, and sweeps over all planes in each.
 constexpr int s_planeRounds = 6, s_planeSweeps = 6;
+// By which guided meshes widen their gaps to nodes that stay, as a share of the thickness: gaps as small as the
+// rounding of positions have no certificate.
+constexpr btScalar s_widening = btScalar(0.05);
 // Displacement of coordinates against exact contact, as a share of the contact distance.
 constexpr btScalar s_perturbation = btScalar(1e-4);
 } // namespace
@@ -409,20 +412,23 @@ qcStatus qcSoftBodyContact::Implementation::MoveZones()
     return qc_statusOk;
 }
 
-/// Pushes meshes that joints or factors guide out of the nodes of their zones, which stay. False: no pair has one.
+/// Pushes guided meshes out of the nodes of their zones, which stay. False: no unproven pair has a mesh that gives way.
 bool qcSoftBodyContact::Implementation::PushGuided()
 {
     qcSeparationPlanes planes;
     for (const qcUnprovenPair& unproven : m_unproven)
-        planes.Add(scene, unproven);
+        planes.Add(scene, unproven, s_widening);
     planes.Solve(s_planeSweeps, false);
     return scene.meshes.Commit();
 }
 
-/// Moves apart meshes that joints or factors guide, and the zones that they leave no room, as fingers of a robot do
-/// that press cloth against a wall. The last resort is that such meshes return to the start of the step.
+/// Moves guided meshes out of zones that they leave no room, as fingers of a robot do that press cloth against a wall.
+/// The last resort is that such a mesh, with its multibody, returns to the start of the step.
 qcStatus qcSoftBodyContact::Implementation::MoveGuided()
 {
+    if (m_unproven.empty())
+        return qc_statusOk;
+    BT_PROFILE("qcSoftBodyContact move guided");
     qcStatus status = qc_statusOk;
     std::vector<qcSceneRigid*> rigids;
     auto add = [&rigids](qcSceneRigid& rigid) { rigids.push_back(&rigid); };
@@ -433,6 +439,7 @@ qcStatus qcSoftBodyContact::Implementation::MoveGuided()
             m_zones.ForEachObjectWith(unproven.pair, add);
         if (!(round < s_planeRounds && PushGuided()) && !scene.meshes.ReturnToStart(rigids))
             return qc_statusOk;
+        statistics.rounds++;
         m_zones.Renew();
         status = Certify();
         if (status == qc_statusOk)

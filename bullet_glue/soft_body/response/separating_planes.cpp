@@ -16,6 +16,8 @@ constexpr double s_minDistance = 1e-12;
 // The gap of triangles that touch at the start, as a share of the thickness: a direction that is not strict at the
 // start has to be at the end.
 constexpr btScalar s_touchingGap = btScalar(1e-3);
+// The least rise of a guided body with friction, as a share of that without.
+constexpr btScalar s_leastRise = btScalar(0.2);
 
 qcPlaneSide SideOf(qcSoftBodyScene& scene, uint32_t slot, uint32_t triangle)
 {
@@ -77,13 +79,13 @@ struct Corners
     btScalar lowestPinned = BT_LARGE_FLOAT; ///< min height of fixed corners
     bool moves = false;
 
-    Corners(const qcPlaneSide& measured, const btVector3& direction, const btVector3& zero, bool movesNodes = true)
+    Corners(const qcPlaneSide& measured, const btVector3& direction, const btVector3& zero, bool movesAll = true)
         : side(&measured), outward(direction), origin(zero)
     {
         for (int i = 0; i < side->count; i++)
         {
             corner[i] = side->soft != nullptr ? OfSoft(side->vertices[i]) : OfMesh(side->vertices[i]);
-            if (side->soft != nullptr && !movesNodes)
+            if (!movesAll && (side->soft != nullptr || !side->rigid->isGuided))
                 corner[i].inverseMass = 0;
             lowest = std::min(lowest, corner[i].height);
             if (corner[i].inverseMass > 0)
@@ -127,6 +129,27 @@ struct Corners
                 (deepest == nullptr || corner[i].height < deepest->height))
                 deepest = &corner[i];
         return deepest;
+    }
+
+    bool IsGuided() const
+    {
+        return side->rigid != nullptr && side->rigid->isGuided;
+    }
+
+    /// Has inverse masses include what friction raises a guided body by: it moves that along its way, and so off the
+    /// plane or into it. False: it would raise the body by far less than the push alone, and there can be none.
+    bool TakeFriction(const btVector3& sliding)
+    {
+        btScalar along[3] = {0, 0, 0};
+        for (int i = 0; i < side->count && IsGuided(); i++)
+        {
+            along[i] = outward.dot(side->rigid->DisplacementAt(corner[i].arm, outward + sliding));
+            if (corner[i].inverseMass > 0 && along[i] < s_leastRise * corner[i].inverseMass)
+                return false;
+        }
+        for (int i = 0; i < side->count && IsGuided(); i++)
+            corner[i].inverseMass = corner[i].inverseMass > 0 ? along[i] : btScalar(0);
+        return true;
     }
 
     /// The impulse, times the time step, that raises every corner to the floor.
@@ -193,21 +216,10 @@ btVector3 FindFriction(const qcSeparationPlane& plane, const Corners& above, btS
     return sliding * (-std::min(plane.friction / length, 1 / raised));
 }
 
-/// Divides the missing gap between both sides so that they get the same impulse. `movesNodes`: false for objects alone.
-void SolvePlane(const qcSeparationPlane& plane, bool movesNodes)
+/// The share of the missing gap by which the upper side rises, so that both get the same impulse.
+btScalar FindShare(const Corners& above, const Corners& below, btScalar missing)
 {
-    btVector3 origin = plane.above.soft != nullptr   ? plane.above.soft->positions[plane.above.vertices[0]]
-                       : plane.below.soft != nullptr ? plane.below.soft->positions[plane.below.vertices[0]]
-                                                     : plane.above.rigid->start.getOrigin();
-    const btScalar missing =
-        plane.gap - LowestOf(plane.above, plane.normal, origin) - LowestOf(plane.below, -plane.normal, origin);
-    // Most planes hold in most sweeps.
-    if (missing <= 0)
-        return;
-    Corners above(plane.above, plane.normal, origin, movesNodes), below(plane.below, -plane.normal, origin, movesNodes);
-    if (!above.moves && !below.moves)
-        return;
-    // The share of the upper side. Fixed corners bound it from either end.
+    // Fixed corners bound it from either end.
     btScalar min = 0, max = 1;
     if (!below.moves)
         min = 1;
@@ -225,8 +237,39 @@ void SolvePlane(const qcSeparationPlane& plane, bool movesNodes)
             above.Impulse(above.lowest + share * missing) > below.Impulse(below.lowest + (1 - share) * missing);
         (isTooLarge ? max : min) = share;
     }
-    btScalar floorAbove = above.lowest + min * missing, floorBelow = below.lowest + (1 - min) * missing;
-    btVector3 friction = FindFriction(plane, above, floorAbove, below, floorBelow);
+    return min;
+}
+
+/// Pushes both sides out of the missing gap. `movesAll`: false: guided
+/// objects alone.
+void SolvePlane(const qcSeparationPlane& plane, bool movesAll)
+{
+    btVector3 origin = plane.above.soft != nullptr   ? plane.above.soft->positions[plane.above.vertices[0]]
+                       : plane.below.soft != nullptr ? plane.below.soft->positions[plane.below.vertices[0]]
+                                                     : plane.above.rigid->start.getOrigin();
+    const btScalar missing =
+        plane.gap - LowestOf(plane.above, plane.normal, origin) - LowestOf(plane.below, -plane.normal, origin);
+    // Most planes hold in most sweeps.
+    if (missing <= 0)
+        return;
+    Corners above(plane.above, plane.normal, origin, movesAll), below(plane.below, -plane.normal, origin, movesAll);
+    if (!above.moves && !below.moves)
+        return;
+    btScalar share = FindShare(above, below, missing);
+    btScalar floorAbove = above.lowest + share * missing, floorBelow = below.lowest + (1 - share) * missing;
+    // Many planes push a guided body out of nodes that stay, each for itself: friction of all would hold it fast.
+    btVector3 friction = movesAll ? FindFriction(plane, above, floorAbove, below, floorBelow) : btVector3(0, 0, 0);
+    if (!above.TakeFriction(friction) || !below.TakeFriction(-friction))
+    {
+        friction.setZero();
+        above.TakeFriction(friction);
+    }
+    if (above.IsGuided() || below.IsGuided())
+    {
+        share = FindShare(above, below, missing);
+        floorAbove = above.lowest + share * missing;
+        floorBelow = below.lowest + (1 - share) * missing;
+    }
     above.Raise(floorAbove, friction);
     below.Raise(floorBelow, -friction);
 }
@@ -363,7 +406,7 @@ void qcSeparationPlanes::Clear()
     m_pairs.clear();
 }
 
-void qcSeparationPlanes::Add(qcSoftBodyScene& scene, const qcUnprovenPair& unproven)
+void qcSeparationPlanes::Add(qcSoftBodyScene& scene, const qcUnprovenPair& unproven, btScalar widening)
 {
     const qcPair& pair = unproven.pair;
     if (!m_pairs.insert({pair.bodyA, pair.triangleA, pair.bodyB, pair.triangleB}).second)
@@ -374,14 +417,15 @@ void qcSeparationPlanes::Add(qcSoftBodyScene& scene, const qcUnprovenPair& unpro
     plane.normal = unproven.normal;
     // Contacts restore the thickness; a plane only restores a gap, no larger than that of the start.
     btScalar thickness = ThicknessOf(plane.above) + ThicknessOf(plane.below);
-    plane.gap = unproven.distance > 0 ? std::min(unproven.distance, thickness / 4) : s_touchingGap * thickness;
+    plane.gap = unproven.distance > 0 ? std::min(unproven.distance + widening * thickness, thickness / 4)
+                                      : (s_touchingGap + widening) * thickness;
     plane.friction = (FrictionOf(plane.above) + FrictionOf(plane.below)) / 2;
     m_planes.push_back(plane);
 }
 
-void qcSeparationPlanes::Solve(int sweeps, bool movesNodes)
+void qcSeparationPlanes::Solve(int sweeps, bool movesAll)
 {
     for (int i = 0; i < sweeps; i++)
         for (const qcSeparationPlane& plane : m_planes)
-            SolvePlane(plane, movesNodes);
+            SolvePlane(plane, movesAll);
 }

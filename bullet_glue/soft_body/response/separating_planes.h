@@ -53,11 +53,12 @@ class qcSeparationPlanes
 {
   public:
     void Clear();
-    /// Adds a plane for a pair, unless the pair has one.
-    void Add(qcSoftBodyScene& scene, const qcUnprovenPair& unproven);
-    /// Gauss-Seidel sweeps over all planes. Moves positions of nodes; meshes move with the next Commit. `movesNodes`:
-    /// false: meshes alone.
-    void Solve(int sweeps, bool movesNodes = true);
+    /// Adds a plane for a pair, unless the pair has one. `widening`: by which the gap of the start is to grow, as a share
+    /// of the thickness.
+    void Add(qcSoftBodyScene& scene, const qcUnprovenPair& unproven, btScalar widening = 0);
+    /// Gauss-Seidel sweeps over all planes. Moves positions of nodes; meshes move with the next Commit. `movesAll`:
+    /// false: guided meshes alone.
+    void Solve(int sweeps, bool movesAll = true);
     size_t Count() const
     {
         return m_planes.size();

@@ -1,7 +1,7 @@
 // Displacements in the coordinates of the joints.
 //
 // Roy Featherstone, Rigid Body Dynamics Algorithms, 2008: the Jacobian J of a link takes velocities of the joints to
-// that of the link, and forces on the link to those on the joints as its transpose. With the inertia M of the joints a
+// that of the link, and its transpose J' forces on the link to those on the joints. With the inertia M of the joints a
 // link moves by J M^-1 J' of a push on it. Bullet has M^-1 from the step's beginning.
 #include "soft_body/scene/multibody_motion.h"
 
@@ -58,11 +58,12 @@ void qcJointPositions::Restore(btMultiBody* body) const
 
 qcMultiBodyMotion::qcMultiBodyMotion(btMultiBody& body, const qcJointPositions* start)
     : m_body(body), m_pushed(size_t(6 + body.getNumDofs()), btScalar(0)), m_moved(m_pushed), m_start(start),
-      m_solved(body)
+      m_solved(body), m_solvedVelocities(body.getVelocityVector(), body.getVelocityVector() + m_pushed.size())
 {
 }
 
-/// Joints and bases that are static or kinematic stay, as in Bullet's step.
+/// Sets to 0 what is static or kinematic, which Bullet's step leaves where it is. Bullet's inverse inertia takes such a
+/// joint for free unless all up to the base are such: its neighbours give way a little too much or too little.
 void qcMultiBodyMotion::KeepFixed(Coordinates* moved) const
 {
     if (m_body.isBaseStaticOrKinematic())
@@ -72,27 +73,54 @@ void qcMultiBodyMotion::KeepFixed(Coordinates* moved) const
             std::fill_n(moved->begin() + 6 + m_body.getLink(i).m_dofOffset, m_body.getLink(i).m_dofCount, btScalar(0));
 }
 
-size_t qcMultiBodyMotion::AddLink(int link)
+/// The derivatives of a link's rotation and translation. Bullet leaves the rotation of planar joints out of that of the
+/// link, so rotations are read from the motion of points next to the centre.
+void qcMultiBodyMotion::FindJacobian(int link, std::array<Coordinates, 6>* jacobian) const
 {
-    Link added;
     btAlignedObjectArray<btScalar> scalars;
     btAlignedObjectArray<btVector3> vectors;
     btAlignedObjectArray<btMatrix3x3> matrices;
+    const btVector3 center = CenterOfLink(m_body, link);
+    jacobian->fill(Coordinates(m_pushed.size(), btScalar(0)));
     for (size_t k = 0; k < 6; k++)
     {
-        btVector3 axis(0, 0, 0), none(0, 0, 0);
-        axis[int(k % 3)] = 1;
-        added.share[k] = added.response[k] = Coordinates(m_pushed.size(), btScalar(0));
-        m_body.fillConstraintJacobianMultiDof(link, CenterOfLink(m_body, link), k < 3 ? axis : none,
-                                              k < 3 ? none : axis, added.share[k].data(), scalars, vectors, matrices);
-        m_body.calcAccelerationDeltasMultiDof(added.share[k].data(), added.response[k].data(), scalars, vectors);
-        KeepFixed(&added.response[k]);
-        // Nothing is known of a multibody that no world has stepped, and nothing moves it.
-        if (!std::all_of(added.response[k].begin(), added.response[k].end(),
-                         [](btScalar x) { return std::isfinite(x); }))
-            std::fill(added.response[k].begin(), added.response[k].end(), btScalar(0));
+        // The rotation about axis k moves the point at axis k + 1 along axis k + 2.
+        btVector3 arm(0, 0, 0), along(0, 0, 0);
+        if (k < 3)
+            arm[int(k + 1) % 3] = 1;
+        along[int(k < 3 ? k + 2 : k) % 3] = 1;
+        m_body.fillContactJacobianMultiDof(link, center + arm, along, (*jacobian)[k].data(), scalars, vectors,
+                                           matrices);
     }
-    m_links.push_back(std::move(added));
+    for (size_t k = 0; k < 3; k++)
+        for (size_t i = 0; i < m_pushed.size(); i++)
+            (*jacobian)[k][i] -= (*jacobian)[3 + (k + 2) % 3][i];
+}
+
+/// The displacement of the coordinates by a force on them. 0 for a multibody that no world has stepped: nothing is
+/// known of it.
+void qcMultiBodyMotion::FindResponse(const Coordinates& force, Coordinates* response) const
+{
+    btAlignedObjectArray<btScalar> scalars;
+    btAlignedObjectArray<btVector3> vectors;
+    // Bullet reads accelerations of links that are kinematic up to the base from here, and does not write them.
+    vectors.resize(4 * (m_body.getNumLinks() + 1), btVector3(0, 0, 0));
+    response->assign(m_pushed.size(), btScalar(0));
+    m_body.calcAccelerationDeltasMultiDof(force.data(), response->data(), scalars, vectors);
+    KeepFixed(response);
+    if (!std::all_of(response->begin(), response->end(), [](btScalar x) { return std::isfinite(x); }))
+        response->assign(m_pushed.size(), btScalar(0));
+}
+
+size_t qcMultiBodyMotion::AddLink(int link)
+{
+    m_links.emplace_back();
+    Link& added = m_links.back();
+    FindJacobian(link, &added.jacobian);
+    for (size_t k = 0; k < 6; k++)
+        FindResponse(added.jacobian[k], &added.response[k]);
+    for (size_t k = 0; k < 6; k++)
+        added.yield[k] = DisplacementOf(added, added.response[k]);
     return m_links.size() - 1;
 }
 
@@ -101,41 +129,40 @@ bool qcMultiBodyMotion::CanMove(size_t link) const
     return !std::all_of(m_links[link].response.begin(), m_links[link].response.end(), IsZero);
 }
 
-qcMultiBodyMotion::Coordinates qcMultiBodyMotion::CoordinatesBy(const Link& link, const btVector3& arm,
-                                                                const btVector3& push) const
-{
-    const btVector3 turn = arm.cross(push);
-    Coordinates moved(m_pushed.size(), btScalar(0));
-    for (size_t k = 0; k < 6; k++)
-    {
-        const btScalar by = k < 3 ? turn[int(k)] : push[int(k - 3)];
-        for (size_t i = 0; i < moved.size(); i++)
-            moved[i] += by * link.response[k][i];
-    }
-    return moved;
-}
-
 qcRigidDisplacement qcMultiBodyMotion::DisplacementOf(const Link& link, const Coordinates& moved)
 {
     qcRigidDisplacement displacement;
     for (size_t k = 0; k < 3; k++)
     {
-        displacement.angular[int(k)] = Dot(link.share[k], moved);
-        displacement.linear[int(k)] = Dot(link.share[k + 3], moved);
+        displacement.angular[int(k)] = Dot(link.jacobian[k], moved);
+        displacement.linear[int(k)] = Dot(link.jacobian[k + 3], moved);
     }
     return displacement;
 }
 
 qcRigidDisplacement qcMultiBodyMotion::DisplacementBy(size_t link, const btVector3& arm, const btVector3& push) const
 {
-    return DisplacementOf(m_links[link], CoordinatesBy(m_links[link], arm, push));
+    const std::array<qcRigidDisplacement, 6>& yield = m_links[link].yield;
+    const btVector3 turn = arm.cross(push);
+    qcRigidDisplacement sum;
+    for (size_t k = 0; k < 6; k++)
+    {
+        const btScalar by = k < 3 ? turn[int(k)] : push[int(k) - 3];
+        sum.angular += yield[k].angular * by;
+        sum.linear += yield[k].linear * by;
+    }
+    return sum;
 }
 
 void qcMultiBodyMotion::Push(size_t link, const btVector3& arm, const btVector3& push)
 {
-    const Coordinates moved = CoordinatesBy(m_links[link], arm, push);
-    for (size_t i = 0; i < moved.size(); i++)
-        m_pushed[i] += moved[i];
+    const btVector3 turn = arm.cross(push);
+    for (size_t k = 0; k < 6; k++)
+    {
+        const btScalar by = k < 3 ? turn[int(k)] : push[int(k) - 3];
+        for (size_t i = 0; i < m_pushed.size(); i++)
+            m_pushed[i] += m_links[link].response[k][i] * by;
+    }
     for (Link& other : m_links)
         other.displacement = DisplacementOf(other, m_pushed);
 }
@@ -188,6 +215,7 @@ void qcMultiBodyMotion::Restore()
     Clear();
     if (m_hasMoved)
         m_solved.Restore(&m_body);
+    SetVelocities(m_solvedVelocities);
 }
 
 bool qcMultiBodyMotion::ReturnToStart()
@@ -196,7 +224,12 @@ bool qcMultiBodyMotion::ReturnToStart()
         return false;
     Clear();
     m_start->Restore(&m_body);
-    m_body.clearVelocities();
-    m_hasMoved = true;
+    // Velocities of what is kinematic are the application's.
+    Coordinates stopped = m_solvedVelocities;
+    KeepFixed(&stopped);
+    for (size_t i = 0; i < stopped.size(); i++)
+        stopped[i] = m_solvedVelocities[i] - stopped[i];
+    SetVelocities(stopped);
+    m_hasMoved = m_hasReturned = true;
     return true;
 }

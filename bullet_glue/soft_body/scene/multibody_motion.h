@@ -44,9 +44,10 @@ class qcMultiBodyMotion
     /// The multibody where Bullet's step has led it. `start`: where the step began; null: not known.
     qcMultiBodyMotion(btMultiBody& body, const qcJointPositions* start);
 
-    /// Adds a link, -1 for the base, and returns its index here. O(joints), seven times.
+    /// Adds a link, -1 for the base, and returns its index here. O(joints).
     size_t AddLink(int link);
-    /// False for a link whose joints up to the base are all fixed, and for a multibody that no world has stepped.
+    /// False for a link that nothing can move, since all joints up to a fixed base are fixed, and for links of a
+    /// multibody that no world has stepped.
     bool CanMove(size_t link) const;
     /// The displacement of a link if `push` acts on it at `arm` from its centre.
     qcRigidDisplacement DisplacementBy(size_t link, const btVector3& arm, const btVector3& push) const;
@@ -61,11 +62,17 @@ class qcMultiBodyMotion
     bool Commit();
     /// Changes velocities by the motion of Commit since the last call.
     void UpdateVelocities(btScalar timeStep);
-    /// Undoes all motion by pushes.
+    /// Undoes all motion by pushes, and returns to the velocities of Bullet's own solvers.
     void Restore();
     /// Returns the multibody to where the step began, at rest. False: that is not known.
     bool ReturnToStart();
-    /// The step did not begin where it starts: the application has put a link elsewhere since the previous one.
+    /// True after ReturnToStart: pushes are to move it no further.
+    bool HasReturned() const
+    {
+        return m_hasReturned;
+    }
+    /// Makes it unable to return, where the application has moved a link since the previous step: the step starts
+    /// before that motion, and not where it began.
     void ForgetStart()
     {
         m_start = nullptr;
@@ -93,13 +100,15 @@ class qcMultiBodyMotion
 
     struct Link
     {
-        /// By rotation vector and translation of the link: how much of it each coordinate makes, and the displacement
-        /// by a torque or force of 1.
-        std::array<Coordinates, 6> share, response;
-        qcRigidDisplacement displacement;
+        //  Three rotations, then three translations: the derivative of each by the coordinates; by a torque or push of
+        //  1, the displacement of the coordinates, and that of the link itself.
+        std::array<Coordinates, 6> jacobian, response;
+        std::array<qcRigidDisplacement, 6> yield;
+        qcRigidDisplacement displacement; ///< since the last Commit
     };
 
-    Coordinates CoordinatesBy(const Link& link, const btVector3& arm, const btVector3& push) const;
+    void FindJacobian(int link, std::array<Coordinates, 6>* jacobian) const;
+    void FindResponse(const Coordinates& force, Coordinates* response) const;
     static qcRigidDisplacement DisplacementOf(const Link& link, const Coordinates& moved);
     void Clear();
     void KeepFixed(Coordinates* moved) const;
@@ -108,9 +117,11 @@ class qcMultiBodyMotion
     btMultiBody& m_body;
     std::vector<Link> m_links;
     Coordinates m_pushed, m_moved; ///< since the last Commit; since the last UpdateVelocities
-    bool m_hasMoved = false;
+    bool m_hasMoved = false, m_hasReturned = false;
     const qcJointPositions* m_start;
-    qcJointPositions m_solved; ///< after Bullet's own solvers
+    //  After Bullet's own solvers.
+    qcJointPositions m_solved;
+    Coordinates m_solvedVelocities;
 };
 
 #endif

@@ -15,7 +15,7 @@ bool IsLink(const btCollisionObject* object)
     return object->getInternalType() == btCollisionObject::CO_FEATHERSTONE_LINK;
 }
 
-/// True if Bullet moves the object. Applications move links, too.
+/// True if Bullet moves the object. The application may move it, too: links of robots often.
 bool IsDynamic(const btCollisionObject* object)
 {
     return (btRigidBody::upcast(object) != nullptr || IsLink(object)) && !object->isStaticOrKinematicObject();
@@ -126,7 +126,10 @@ const btTransform& qcObjectStarts::StartOf(const btCollisionObject* object) cons
 bool qcObjectStarts::StartsAtBegin(const btCollisionObject* object) const
 {
     auto found = m_states.find(qcObjectKey(object));
-    return found != m_states.end() && IsDynamic(object) && found->second.start == found->second.begin;
+    if (found == m_states.end())
+        return false;
+    const State& state = found->second;
+    return qcAreSame(state.start, IsDynamic(object) ? state.begin : object->getWorldTransform());
 }
 
 void qcObjectStarts::RecordEnd(const btCollisionObject* object)

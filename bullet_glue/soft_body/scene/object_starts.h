@@ -28,8 +28,7 @@ class qcObjectStarts
     /// The object's transform at the start of the step: where the previous one left it, unless it was put elsewhere
     /// since. Read has seen it.
     const btTransform& StartOf(const btCollisionObject* object) const;
-    /// True for a body that Bullet moves and that starts the step where it began: the application has not moved it
-    /// since the previous one.
+    /// True if the object starts the step where it began: the application has not moved it since the previous one.
     bool StartsAtBegin(const btCollisionObject* object) const;
     /// The object's motion ends the step at its present transform. For those that contacts have moved since Read.
     void RecordEnd(const btCollisionObject* object);

@@ -48,6 +48,32 @@ void ToFrame(const btTransform& frame, const btVector3 box[2], btVector3 local[2
     local[1] = center + extent;
 }
 
+/// The object as a link of its multibody. Null: it is none, or the multibody does not move it.
+const btMultiBodyLinkCollider* LinkOf(const btCollisionObject* object)
+{
+    const btMultiBodyLinkCollider* link = btMultiBodyLinkCollider::upcast(object);
+    const btMultiBody* multibody = link != nullptr ? link->m_multiBody : nullptr;
+    if (multibody == nullptr)
+        return nullptr;
+    return (link->m_link < 0 ? multibody->getBaseCollider() : multibody->getLinkCollider(link->m_link)) == link
+               ? link
+               : nullptr;
+}
+
+bool Sleeps(const btMultiBodyLinkCollider* collider)
+{
+    return collider != nullptr && collider->getActivationState() == ISLAND_SLEEPING;
+}
+
+/// True if Bullet moves the multibody in the step: it may also where isAwake() is false already.
+bool IsStepped(const btMultiBody& multibody)
+{
+    bool sleeps = Sleeps(multibody.getBaseCollider());
+    for (int i = 0; i < multibody.getNumLinks(); i++)
+        sleeps = sleeps || Sleeps(multibody.getLinkCollider(i));
+    return !sleeps;
+}
+
 /// True if the object may have meshes.
 bool MayHaveMeshes(const btCollisionObject* object, bool withSurfaces)
 {
@@ -123,14 +149,15 @@ void qcSceneRigid::Push(const btVector3& arm, const btVector3& push)
 
 void qcSceneRigid::Wake() const
 {
-    // Colliders of a multibody that sleeps may be active.
-    const btMultiBodyLinkCollider* collider = btMultiBodyLinkCollider::upcast(object);
-    if (object->isStaticOrKinematicObject() ||
-        (object->isActive() && (collider == nullptr || collider->m_multiBody->isAwake())))
+    // Colliders of a multibody that sleeps may be active. A fixed base has a state of its own.
+    const btMultiBodyLinkCollider* asLink = LinkOf(object);
+    if (object->isStaticOrKinematicObject() || object->getActivationState() == FIXED_BASE_MULTI_BODY ||
+        (object->isActive() && (asLink == nullptr || asLink->m_multiBody->isAwake())) ||
+        (asLink != nullptr && !asLink->m_multiBody->getCanWakeup()))
         return;
     object->activate();
-    if (collider != nullptr)
-        collider->m_multiBody->wakeUp();
+    if (asLink != nullptr)
+        asLink->m_multiBody->wakeUp();
 }
 
 bool qcSceneRigid::IsFree() const
@@ -181,8 +208,8 @@ void qcSoftBodyMeshes::BeginStep(const std::set<btBroadphaseInterface*>& broadph
     qcForEachObject(broadphases,
                     [this](btCollisionObject* object, btBroadphaseInterface*)
                     {
-                        if (const btMultiBodyLinkCollider* link = btMultiBodyLinkCollider::upcast(object))
-                            m_beginnings.emplace(link->m_multiBody, *link->m_multiBody);
+                        if (const btMultiBodyLinkCollider* link = LinkOf(object))
+                            m_beginnings.try_emplace(link->m_multiBody, *link->m_multiBody);
                     });
 }
 
@@ -438,6 +465,7 @@ std::unique_ptr<qcSceneRigid> qcSoftBodyMeshes::MakeRigid(const Overlap& overlap
 std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
 {
     MergeOverlaps();
+    AddLinks();
     AddReshaped();
     std::vector<std::unique_ptr<qcSceneRigid>> rigids;
     for (const Overlap& overlap : m_overlaps)
@@ -477,9 +505,9 @@ std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
 /// Finds the multibody of a link that Bullet moves.
 void qcSoftBodyMeshes::FindMultiBody(qcSceneRigid* rigid)
 {
-    const btMultiBodyLinkCollider* collider = btMultiBodyLinkCollider::upcast(rigid->object);
+    const btMultiBodyLinkCollider* collider = LinkOf(rigid->object);
     rigid->multibody = nullptr;
-    if (collider == nullptr || !collider->isActive() || !collider->m_multiBody->isAwake())
+    if (collider == nullptr || !IsStepped(*collider->m_multiBody))
         return;
     auto isIt = [collider](const std::unique_ptr<qcMultiBodyMotion>& known)
     { return &known->Body() == collider->m_multiBody; };
@@ -495,6 +523,30 @@ void qcSoftBodyMeshes::FindMultiBody(qcSceneRigid* rigid)
     const size_t link = (*found)->AddLink(collider->m_link);
     rigid->multibody = (*found)->CanMove(link) ? found->get() : nullptr;
     rigid->link = link;
+    rigid->isFixed = (*found)->HasReturned();
+}
+
+/// Adds overlaps of the other links of multibodies: pushes on one link move all.
+void qcSoftBodyMeshes::AddLinks()
+{
+    const size_t count = m_overlaps.size();
+    for (size_t i = 0; i < count; i++)
+    {
+        const btMultiBodyLinkCollider* link = LinkOf(m_overlaps[i].object);
+        for (int k = -1; link != nullptr && k < link->m_multiBody->getNumLinks(); k++)
+        {
+            btMultiBody& multibody = *link->m_multiBody;
+            btMultiBodyLinkCollider* other = k < 0 ? multibody.getBaseCollider() : multibody.getLinkCollider(k);
+            if (other != nullptr && other->getBroadphaseHandle() != nullptr &&
+                MayHaveMeshes(other, m_overlaps[i].withSurfaces) && qcIsFinite(*other) && !IsCollected(other))
+            {
+                const Overlap overlap{other, m_overlaps[i].withSurfaces, {m_overlaps[i].box[0], m_overlaps[i].box[1]}};
+                m_overlaps.push_back(overlap);
+            }
+        }
+    }
+    if (m_overlaps.size() > count)
+        MergeOverlaps();
 }
 
 /// Appends the object, with its meshes in the scene. After a failure it is not tracked, and none of them is there.
@@ -562,6 +614,7 @@ qcStatus qcSoftBodyMeshes::Extend(qcScene* scene, bool* added)
 {
     qcStatus status = qc_statusOk;
     MergeOverlaps();
+    AddLinks();
     for (const Overlap& overlap : m_overlaps)
     {
         // An object that contacts move is in the scene once.
@@ -694,13 +747,11 @@ bool qcSoftBodyMeshes::Fix(const std::vector<const btCollisionObject*>& objects)
 
 bool qcSoftBodyMeshes::ReturnToStart(const std::vector<qcSceneRigid*>& rigids)
 {
-    bool any = false;
     for (qcSceneRigid* returned : rigids)
     {
         qcMultiBodyMotion* multibody = returned->multibody;
         if (!returned->isGuided || returned->isFixed || (multibody != nullptr && !multibody->ReturnToStart()))
             continue;
-        any = true;
         if (multibody == nullptr)
         {
             returned->isFixed = returned->fromStart = true;
@@ -709,8 +760,9 @@ bool qcSoftBodyMeshes::ReturnToStart(const std::vector<qcSceneRigid*>& rigids)
         else
             for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
                 rigid->isFixed = rigid->isFixed || rigid->multibody == multibody;
+        return true;
     }
-    return any;
+    return false;
 }
 
 void qcSoftBodyMeshes::RecordEnds()

@@ -31,7 +31,7 @@ struct qcSceneRigid
     qcActivity activity = qc_activityMoving;
     btRigidBody* body = nullptr;                     ///< null: contacts move no rigid body
     qcMultiBodyMotion* multibody = nullptr;          ///< null: contacts move no link of a multibody
-    size_t link = 0;                                 ///< of it
+    size_t link = 0;                                 ///< its index there
     btTransform start = btTransform::getIdentity();  ///< of the object, at the start of the step
     btTransform solved = btTransform::getIdentity(); ///< of the object, after Bullet's own solvers
 
@@ -137,8 +137,8 @@ class qcSoftBodyMeshes
     void UpdateVelocities(btScalar timeStep);
     /// Contacts of this step move these objects no further. False: none of them is near a soft body.
     bool Fix(const std::vector<const btCollisionObject*>& objects);
-    /// Returns the guided ones of these objects, and their multibodies, to the start of the step; contacts move them no
-    /// further. False: there are none, or none can return.
+    /// Returns the first guided one of these objects that can return, with all its multibody, to the start of the step;
+    /// contacts move it no further. False: there is none.
     bool ReturnToStart(const std::vector<qcSceneRigid*>& rigids);
     /// Ends the step, and undoes all motions.
     void Restore();
@@ -176,6 +176,7 @@ class qcSoftBodyMeshes
     std::unique_ptr<qcSceneRigid> MakeRigid(const Overlap& overlap) const;
     std::vector<std::unique_ptr<qcSceneRigid>> TakeTracked();
     void FindMultiBody(qcSceneRigid* rigid);
+    void AddLinks();
     qcStatus Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid);
     void IndexSlots();
     void RecordEnds();

@@ -339,6 +339,9 @@ START_TEST(random_arms_that_strike_a_cloth_on_the_floor_pass_nothing)
                                            s_upright, axis.normalized(), link == 0 ? s_none : end, end, true);
             }
             robot.Finish();
+            // A static base takes nothing from its arm.
+            robot.AddBox(-1, btVector3(btScalar(0.05), btScalar(0.05), btScalar(0.05)))
+                ->setCollisionFlags(btCollisionObject::CF_STATIC_OBJECT);
             for (int link = 0; link < 3; link++)
                 robot.AddBox(link, half);
             std::vector<std::unique_ptr<btMultiBodyJointMotor>> motors;
@@ -408,6 +411,82 @@ START_TEST(a_wedge_that_leaves_cloth_no_room_jams)
         ck_assert_double_lt(double(speed * speed / 2), double(force * way));
     }
     world->World().removeRigidBody(&floor);
+}
+END_TEST
+
+START_TEST(a_slider_that_presses_cloth_on_a_floor_is_not_thrown_back)
+{
+    // It slides down a steep way: friction moves it along that, too.
+    for (btScalar degrees : {btScalar(5), btScalar(10), btScalar(20), btScalar(45)})
+    {
+        std::unique_ptr<qcMultiBodyWorld> world = qcMakeMultiBodyWorld(_i != 0, s_gravity);
+        btSoftBody* cloth = world->AddCloth(btScalar(0.012), false);
+        btBoxShape floorShape(btVector3(5, 1, 5));
+        btRigidBody floor(0, nullptr, &floorShape);
+        floor.setWorldTransform(btTransform(s_upright, btVector3(0, -1, 0)));
+        world->World().addRigidBody(&floor);
+        qcSoftBodySettings settings = world->Contact().getSettings(cloth);
+        settings.friction = 1;
+        ck_assert_int_eq(world->Contact().setSettings(cloth, settings), qc_statusOk);
+        {
+            const btScalar angle = degrees * SIMD_RADS_PER_DEG;
+            const btVector3 half(btScalar(0.1), btScalar(0.1), btScalar(0.1)), way(btCos(angle), -btSin(angle), 0);
+            qcRobot robot(*world, 1, 0, btVector3(1, 1, 1), true);
+            robot.Body().setBasePos(btVector3(0, btScalar(0.15), 0) - way * btScalar(0.2));
+            robot.Body().setupPrismatic(0, 1, qcRobot::InertiaOf(1, half), -1, s_upright, way, s_none, s_none, false);
+            robot.Finish();
+            btMultiBodyLinkCollider* slider = robot.AddBox(0, half);
+            slider->setIgnoreCollisionCheck(&floor, true);
+            slider->setFriction(1);
+            robot.Body().setJointVel(0, 1);
+            qcMotionOracle oracle;
+            oracle.Add([cloth] { return qcWorldMeshOf(cloth); });
+            robot.Watch(oracle, btScalar(1e-6));
+            const btScalar energy = robot.Energy(s_gravity);
+            for (btScalar time = 0; time < 2; time += world->TimeStep())
+            {
+                world->Step();
+                ck_assert_uint_eq(oracle.Count(), 0);
+                ck_assert_int_eq(world->Contact().getStatistics().unproven, 0);
+                // Bullet's step alone adds up to 0.09 J while it slides freely.
+                ck_assert_double_lt(double(robot.Energy(s_gravity)), double(energy) + 0.2);
+            }
+        }
+        world->World().removeRigidBody(&floor);
+    }
+}
+END_TEST
+
+START_TEST(links_that_pushes_swing_into_another_cloth_do_not_pass_it)
+{
+    // A see-saw: a fast cloth strikes one end from above, the other end swings up through a second, flat one.
+    std::unique_ptr<qcMultiBodyWorld> world = qcMakeMultiBodyWorld(_i != 0, s_none);
+    btSoftBody *thrown = world->AddCloth(btScalar(0.5), false), *flat = world->AddCloth(btScalar(0.06), false);
+    thrown->translate(btVector3(btScalar(1.6), 0, 0));
+    flat->translate(btVector3(btScalar(-1.6), 0, 0));
+    thrown->setTotalMass(20);
+    thrown->setVelocity(btVector3(0, -60, 0));
+    const btVector3 half(btScalar(0.2), btScalar(0.02), btScalar(0.2)), arm(btScalar(0.8), 0, 0);
+    qcRobot robot(*world, 2, 0, btVector3(1, 1, 1), true);
+    const btVector3 inertia = qcRobot::InertiaOf(1, half);
+    robot.Body().setupRevolute(0, 1, inertia, -1, s_upright, btVector3(0, 0, 1), s_none, arm, true);
+    robot.Body().setupFixed(1, 1, inertia, 0, s_upright, -arm, -arm);
+    robot.Finish();
+    robot.AddBox(0, half);
+    robot.AddBox(1, half);
+    qcMotionOracle oracle;
+    for (const btSoftBody* cloth : {thrown, flat})
+        oracle.Add([cloth] { return qcWorldMeshOf(cloth); });
+    robot.Watch(oracle);
+    btScalar most = 0;
+    for (btScalar time = 0; time < btScalar(0.2); time += world->TimeStep())
+    {
+        world->Step();
+        ck_assert_uint_eq(oracle.Count(), 0);
+        ck_assert_int_eq(world->Contact().getStatistics().unproven, 0);
+        most = btMax(most, btFabs(robot.Body().getJointPos(0)));
+    }
+    ck_assert_double_gt(double(most), 0.2);
 }
 END_TEST
 
@@ -508,6 +587,8 @@ QC_TEST_MAIN()
                                 fingers_lift_a_cloth_that_they_press_against_a_board,
                                 random_arms_that_strike_a_cloth_on_the_floor_pass_nothing,
                                 a_wedge_that_leaves_cloth_no_room_jams,
+                                a_slider_that_presses_cloth_on_a_floor_is_not_thrown_back,
+                                links_that_pushes_swing_into_another_cloth_do_not_pass_it,
                                 boxes_that_are_fixed_to_each_other_are_as_heavy_as_one,
                                 contact_does_not_move_joints_that_are_kinematic,
                                 cloth_wakes_a_multibody_that_sleeps};
