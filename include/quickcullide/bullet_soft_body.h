@@ -91,8 +91,9 @@ struct qcSoftBodyStatistics
 /// edges with edges within the thickness, on the side from which they came. Last, every pair of triangles without a
 /// common node that was apart at the start of the step is proven to be apart over the whole of it
 /// (qcSoftBodySettings::continuous): nothing passes anything at any speed. What can't be proven is pushed apart, moved
-/// as one, or returned to its start. Only kinematic meshes and links, and pinned nodes, that leave no room are an exception
-/// (qcSoftBodyStatistics::unproven). Momentum is conserved. The theorem and its limits: plugin/docs/never_through.md.
+/// as one, or returned to its start. Only kinematic meshes and links, and pinned nodes, that leave no room are an
+/// exception (qcSoftBodyStatistics::unproven). Momentum is conserved, unless links or bodies with locked axes press
+/// soft bodies against something: then these may stop. The theorem and its limits: plugin/docs/never_through.md.
 ///
 /// Tangled starts: triangles that penetrate at the start of a step are exempt, so a scene may start tangled. Each step
 /// works them apart (qcSoftBodySettings::untangle), over half the thickness and without a velocity for that:
@@ -111,9 +112,9 @@ struct qcSoftBodyStatistics
 ///
 /// Rigid bodies: a soft body collides with each qcMeshShape, and with the surfaces of Bullet's own shapes as triangles;
 /// static, kinematic or moving, also in compounds; unless its collision flags have none of fCollision::RVSmask. Both
-/// move, by mass. Links of multibodies are such bodies, in worlds of either kind (btSoftMultiBodyDynamicsWorld,
-/// qcDeformableWorld): contact moves the joints by their inertia alone, and Bullet solves their limits and motors in the
-/// next step. Triangles with an anchored node don't collide with the body of the anchor.
+/// move, by mass. Links of multibodies count as rigid bodies, in worlds of either kind (btSoftMultiBodyDynamicsWorld,
+/// qcDeformableWorld): contact moves the joints by their inertia alone, and Bullet solves their limits, motors and all
+/// other constraints in the next step. Triangles with an anchored node don't collide with the body of the anchor.
 /// - Boxes and polyhedra have their own faces. Spheres, capsules, cylinders, cones and any other convex shape have
 ///   triangles around them that are at most half the surface's margin away or, at the limit of 4096, a hundredth of
 ///   their size. Static triangle meshes, btGImpactMeshShape and terrains have theirs; of planes, and of meshes with
@@ -156,7 +157,8 @@ struct qcSoftBodyStatistics
 ///
 /// Profile zones (BT_PROFILE): "qcSoftBodyContact gather", then "qcSoftBodyContact resolve" and in it
 /// "qcSoftBodyContact sweep" of nodes, "qcSoftBodyContact untangle", "qcSoftBodyContact round" for each round,
-/// "qcSoftBodyContact push apart" and "qcSoftBodyContact move zones" if rounds did not suffice, and in these
+/// "qcSoftBodyContact push apart", "qcSoftBodyContact move zones" and "qcSoftBodyContact move guided" if rounds did not
+/// suffice, and in these
 /// "qcSoftBodyContact detect", "qcSoftBodyContact manifolds" and "qcSoftBodyContact respond"; last "qcSoftBodyContact
 /// callbacks". Within "detect" are the stages of the query: see qcDetectDef::enterStage.
 ///

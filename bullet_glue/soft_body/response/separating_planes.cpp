@@ -17,7 +17,7 @@ constexpr double s_minDistance = 1e-12;
 // start has to be at the end.
 constexpr btScalar s_touchingGap = btScalar(1e-3);
 // The least rise of a guided body with friction, as a share of that without.
-constexpr btScalar s_leastRise = btScalar(0.2);
+constexpr btScalar s_minRise = btScalar(0.2);
 
 qcPlaneSide SideOf(qcSoftBodyScene& scene, uint32_t slot, uint32_t triangle)
 {
@@ -144,7 +144,7 @@ struct Corners
         for (int i = 0; i < side->count && IsGuided(); i++)
         {
             along[i] = outward.dot(side->rigid->DisplacementAt(corner[i].arm, outward + sliding));
-            if (corner[i].inverseMass > 0 && along[i] < s_leastRise * corner[i].inverseMass)
+            if (corner[i].inverseMass > 0 && along[i] < s_minRise * corner[i].inverseMass)
                 return false;
         }
         for (int i = 0; i < side->count && IsGuided(); i++)

@@ -547,6 +547,24 @@ START_TEST(contact_does_not_move_joints_that_are_kinematic)
 }
 END_TEST
 
+START_TEST(cloth_that_strikes_one_side_turns_a_planar_joint)
+{
+    std::unique_ptr<qcMultiBodyWorld> world = qcMakeMultiBodyWorld(_i != 0, s_none);
+    const btVector3 half(btScalar(0.3), btScalar(0.02), btScalar(0.3));
+    qcRobot robot(*world, 1, 0, btVector3(1, 1, 1), true);
+    robot.Body().setBasePos(btVector3(1, 0, 0));
+    robot.Body().setupPlanar(0, 1, qcRobot::InertiaOf(1, half), -1, s_upright, btVector3(0, 0, 1), s_none, true);
+    robot.Finish();
+    robot.AddBox(0, half);
+    world->AddCloth(btScalar(0.1), false)->setVelocity(btVector3(0, -3, 0));
+    for (btScalar time = 0; time < btScalar(0.3); time += world->TimeStep())
+        world->Step();
+    const btScalar* planar = robot.Body().getJointPosMultiDof(0);
+    ck_assert_double_gt(double(planar[0]), 0.1);
+    ck_assert_double_lt(double(robot.Body().getLink(0).m_cachedWorldTransform.getOrigin().y()), -0.05);
+}
+END_TEST
+
 START_TEST(cloth_wakes_a_multibody_that_sleeps)
 {
     // A flap that turns about its middle, at an edge of the cloth: nothing but that turns it.
@@ -591,6 +609,7 @@ QC_TEST_MAIN()
                                 links_that_pushes_swing_into_another_cloth_do_not_pass_it,
                                 boxes_that_are_fixed_to_each_other_are_as_heavy_as_one,
                                 contact_does_not_move_joints_that_are_kinematic,
+                                cloth_that_strikes_one_side_turns_a_planar_joint,
                                 cloth_wakes_a_multibody_that_sleeps};
     // Each in the classic world, and in the deformable one.
     for (const TTest* test : all)
