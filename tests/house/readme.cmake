@@ -7,7 +7,7 @@ function(qc_hello_test program)
     endif()
   endforeach()
 endfunction()
-foreach(program core broadphase cloth deformable fracture world)
+foreach(program core broadphase cloth deformable robot fracture world)
   qc_hello_test(${program})
 endforeach()
 

@@ -48,12 +48,13 @@ void ToFrame(const btTransform& frame, const btVector3 box[2], btVector3 local[2
     local[1] = center + extent;
 }
 
-/// The object as a link of its multibody. Null: it is none, or the multibody does not move it.
+/// The object as a link of its multibody. Null: it is none, or the multibody does not move it, as before
+/// finalizeMultiDof, which makes room for velocities.
 const btMultiBodyLinkCollider* LinkOf(const btCollisionObject* object)
 {
     const btMultiBodyLinkCollider* link = btMultiBodyLinkCollider::upcast(object);
     const btMultiBody* multibody = link != nullptr ? link->m_multiBody : nullptr;
-    if (multibody == nullptr)
+    if (multibody == nullptr || multibody->getVelocityVector() == nullptr)
         return nullptr;
     return (link->m_link < 0 ? multibody->getBaseCollider() : multibody->getLinkCollider(link->m_link)) == link
                ? link
