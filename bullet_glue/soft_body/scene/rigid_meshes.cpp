@@ -2,7 +2,6 @@
 #include "soft_body/scene/rigid_meshes.h"
 
 #include "common/compound_children.h"
-#include "common/guided_motion.h"
 #include "common/object_key.h"
 #include "common/object_motion.h"
 #include "common/shape_triangles.h"
@@ -46,19 +45,6 @@ void ToFrame(const btTransform& frame, const btVector3 box[2], btVector3 local[2
         half.dot3(inverse.getBasis()[0].absolute(), inverse.getBasis()[1].absolute(), inverse.getBasis()[2].absolute());
     local[0] = center - extent;
     local[1] = center + extent;
-}
-
-/// The object as a link of its multibody. Null: it is none, or the multibody does not move it, as before
-/// finalizeMultiDof, which makes room for velocities.
-const btMultiBodyLinkCollider* LinkOf(const btCollisionObject* object)
-{
-    const btMultiBodyLinkCollider* link = btMultiBodyLinkCollider::upcast(object);
-    const btMultiBody* multibody = link != nullptr ? link->m_multiBody : nullptr;
-    if (multibody == nullptr || multibody->getVelocityVector() == nullptr)
-        return nullptr;
-    return (link->m_link < 0 ? multibody->getBaseCollider() : multibody->getLinkCollider(link->m_link)) == link
-               ? link
-               : nullptr;
 }
 
 bool Sleeps(const btMultiBodyLinkCollider* collider)
@@ -115,93 +101,6 @@ void ReadState(qcSceneRigid* rigid, const btTransform& start)
 }
 } // namespace
 
-/// The displacement if `push` acts at `arm` from the centre; none if that leads a guided object elsewhere.
-qcRigidDisplacement qcSceneRigid::DisplacementBy(const btVector3& arm, const btVector3& push) const
-{
-    qcRigidDisplacement by;
-    if (isFixed)
-        return by;
-    if (multibody != nullptr)
-        by = multibody->DisplacementBy(link, arm, push);
-    else if (body != nullptr)
-    {
-        by.angular = body->getInvInertiaTensorWorld() * arm.cross(push) * body->getAngularFactor();
-        by.linear = push * body->getLinearFactor() * body->getInvMass();
-    }
-    return isGuided && qcIsLedElsewhere(by.At(arm), push) ? qcRigidDisplacement() : by;
-}
-
-btVector3 qcSceneRigid::DisplacementAt(const btVector3& arm, const btVector3& push) const
-{
-    return DisplacementBy(arm, push).At(arm);
-}
-
-void qcSceneRigid::Push(const btVector3& arm, const btVector3& push)
-{
-    const qcRigidDisplacement by = DisplacementBy(arm, push);
-    if (multibody == nullptr)
-    {
-        pushed.linear += by.linear;
-        pushed.angular += by.angular;
-    }
-    else if (!by.linear.isZero() || !by.angular.isZero())
-        multibody->Push(link, arm, push);
-}
-
-void qcSceneRigid::Wake() const
-{
-    // Colliders of a multibody that sleeps may be active. A fixed base has a state of its own.
-    const btMultiBodyLinkCollider* asLink = LinkOf(object);
-    if (object->isStaticOrKinematicObject() || object->getActivationState() == FIXED_BASE_MULTI_BODY ||
-        (object->isActive() && (asLink == nullptr || asLink->m_multiBody->isAwake())) ||
-        (asLink != nullptr && !asLink->m_multiBody->getCanWakeup()))
-        return;
-    object->activate();
-    if (asLink != nullptr)
-        asLink->m_multiBody->wakeUp();
-}
-
-bool qcSceneRigid::IsFree() const
-{
-    return body != nullptr && !isFixed && qcIsFree(*body);
-}
-
-btTransform qcSceneRigid::MotionTo(const btTransform& transform) const
-{
-    return transform == start ? btTransform::getIdentity() : transform * start.inverse();
-}
-
-void qcSceneRigid::DeformFrom(const qcSceneRigid& last)
-{
-    for (qcSceneMesh& mesh : meshes)
-        for (const qcSceneMesh& lastMesh : last.meshes)
-            mesh.DeformFrom(lastMesh);
-}
-
-void qcSceneRigid::TakeBodies(qcSceneRigid* last)
-{
-    for (qcSceneMesh& mesh : meshes)
-        for (qcSceneMesh& lastMesh : last->meshes)
-            mesh.TakeBody(&lastMesh);
-}
-
-bool qcSceneRigid::Rest()
-{
-    return std::all_of(meshes.begin(), meshes.end(), [](qcSceneMesh& mesh) { return !mesh.Deforms() || mesh.Rest(); });
-}
-
-void qcSceneRigid::FindMotionBox(const qcSceneMesh& mesh, btVector3 box[2]) const
-{
-    btVector3 present[2];
-    mesh.shape->getAabb(start * mesh.local, box[0], box[1]);
-    if (mesh.Deforms())
-        btTransformAabb(mesh.startBox[0], mesh.startBox[1], mesh.shape->getMargin(), start * mesh.local, box[0],
-                        box[1]);
-    mesh.shape->getAabb(object->getWorldTransform() * mesh.local, present[0], present[1]);
-    box[0].setMin(present[0]);
-    box[1].setMax(present[1]);
-}
-
 void qcSoftBodyMeshes::BeginStep(const std::set<btBroadphaseInterface*>& broadphases)
 {
     m_starts.Begin(broadphases);
@@ -209,7 +108,7 @@ void qcSoftBodyMeshes::BeginStep(const std::set<btBroadphaseInterface*>& broadph
     qcForEachObject(broadphases,
                     [this](btCollisionObject* object, btBroadphaseInterface*)
                     {
-                        if (const btMultiBodyLinkCollider* link = LinkOf(object))
+                        if (const btMultiBodyLinkCollider* link = qcAsLink(object))
                             m_beginnings.try_emplace(link->m_multiBody, *link->m_multiBody);
                     });
 }
@@ -506,7 +405,7 @@ std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
 /// Finds the multibody of a link that Bullet moves.
 void qcSoftBodyMeshes::FindMultiBody(qcSceneRigid* rigid)
 {
-    const btMultiBodyLinkCollider* collider = LinkOf(rigid->object);
+    const btMultiBodyLinkCollider* collider = qcAsLink(rigid->object);
     rigid->multibody = nullptr;
     if (collider == nullptr || !IsStepped(*collider->m_multiBody))
         return;
@@ -533,7 +432,7 @@ void qcSoftBodyMeshes::AddLinks()
     const size_t count = m_overlaps.size();
     for (size_t i = 0; i < count; i++)
     {
-        const btMultiBodyLinkCollider* link = LinkOf(m_overlaps[i].object);
+        const btMultiBodyLinkCollider* link = qcAsLink(m_overlaps[i].object);
         for (int k = -1; link != nullptr && k < link->m_multiBody->getNumLinks(); k++)
         {
             btMultiBody& multibody = *link->m_multiBody;

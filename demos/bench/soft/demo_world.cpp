@@ -3,6 +3,7 @@
 #include "bench/soft/soft_scene.h"
 #include "bench/soft/tangle_scene.h"
 
+#include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 

@@ -1,0 +1,105 @@
+// How contacts move a rigid object.
+#include "soft_body/scene/scene_rigid.h"
+
+#include "common/guided_motion.h"
+
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
+#include <LinearMath/btAabbUtil2.h>
+
+const btMultiBodyLinkCollider* qcAsLink(const btCollisionObject* object)
+{
+    const btMultiBodyLinkCollider* link = btMultiBodyLinkCollider::upcast(object);
+    const btMultiBody* multibody = link != nullptr ? link->m_multiBody : nullptr;
+    if (multibody == nullptr || multibody->getVelocityVector() == nullptr)
+        return nullptr;
+    return (link->m_link < 0 ? multibody->getBaseCollider() : multibody->getLinkCollider(link->m_link)) == link
+               ? link
+               : nullptr;
+}
+
+/// The displacement if `push` acts at `arm` from the centre; none if that leads a guided object elsewhere.
+qcRigidDisplacement qcSceneRigid::DisplacementBy(const btVector3& arm, const btVector3& push) const
+{
+    qcRigidDisplacement by;
+    if (isFixed)
+        return by;
+    if (multibody != nullptr)
+        by = multibody->DisplacementBy(link, arm, push);
+    else if (body != nullptr)
+    {
+        by.angular = body->getInvInertiaTensorWorld() * arm.cross(push) * body->getAngularFactor();
+        by.linear = push * body->getLinearFactor() * body->getInvMass();
+    }
+    return isGuided && qcIsLedElsewhere(by.At(arm), push) ? qcRigidDisplacement() : by;
+}
+
+btVector3 qcSceneRigid::DisplacementAt(const btVector3& arm, const btVector3& push) const
+{
+    return DisplacementBy(arm, push).At(arm);
+}
+
+void qcSceneRigid::Push(const btVector3& arm, const btVector3& push)
+{
+    const qcRigidDisplacement by = DisplacementBy(arm, push);
+    if (multibody == nullptr)
+    {
+        pushed.linear += by.linear;
+        pushed.angular += by.angular;
+    }
+    else if (!by.linear.isZero() || !by.angular.isZero())
+        multibody->Push(link, arm, push);
+}
+
+void qcSceneRigid::Wake() const
+{
+    // Colliders of a multibody that sleeps may be active. A fixed base has a state of its own.
+    const btMultiBodyLinkCollider* asLink = qcAsLink(object);
+    if (object->isStaticOrKinematicObject() || object->getActivationState() == FIXED_BASE_MULTI_BODY ||
+        (object->isActive() && (asLink == nullptr || asLink->m_multiBody->isAwake())) ||
+        (asLink != nullptr && !asLink->m_multiBody->getCanWakeup()))
+        return;
+    object->activate();
+    if (asLink != nullptr)
+        asLink->m_multiBody->wakeUp();
+}
+
+bool qcSceneRigid::IsFree() const
+{
+    return body != nullptr && !isFixed && qcIsFree(*body);
+}
+
+btTransform qcSceneRigid::MotionTo(const btTransform& transform) const
+{
+    return transform == start ? btTransform::getIdentity() : transform * start.inverse();
+}
+
+void qcSceneRigid::DeformFrom(const qcSceneRigid& last)
+{
+    for (qcSceneMesh& mesh : meshes)
+        for (const qcSceneMesh& lastMesh : last.meshes)
+            mesh.DeformFrom(lastMesh);
+}
+
+void qcSceneRigid::TakeBodies(qcSceneRigid* last)
+{
+    for (qcSceneMesh& mesh : meshes)
+        for (qcSceneMesh& lastMesh : last->meshes)
+            mesh.TakeBody(&lastMesh);
+}
+
+bool qcSceneRigid::Rest()
+{
+    return std::all_of(meshes.begin(), meshes.end(), [](qcSceneMesh& mesh) { return !mesh.Deforms() || mesh.Rest(); });
+}
+
+void qcSceneRigid::FindMotionBox(const qcSceneMesh& mesh, btVector3 box[2]) const
+{
+    btVector3 present[2];
+    mesh.shape->getAabb(start * mesh.local, box[0], box[1]);
+    if (mesh.Deforms())
+        btTransformAabb(mesh.startBox[0], mesh.startBox[1], mesh.shape->getMargin(), start * mesh.local, box[0],
+                        box[1]);
+    mesh.shape->getAabb(object->getWorldTransform() * mesh.local, present[0], present[1]);
+    box[0].setMin(present[0]);
+    box[1].setMax(present[1]);
+}

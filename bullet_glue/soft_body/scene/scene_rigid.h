@@ -1,0 +1,90 @@
+// A rigid object near soft bodies: its meshes, where it starts the step, and how contacts move it.
+#ifndef QC_GLUE_SOFT_BODY_SCENE_SCENE_RIGID_H
+#define QC_GLUE_SOFT_BODY_SCENE_SCENE_RIGID_H
+
+#include "soft_body/scene/multibody_motion.h"
+#include "soft_body/scene/scene_mesh.h"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <algorithm>
+#include <vector>
+
+class btMultiBodyLinkCollider;
+
+/// The object as a link of its multibody. Null: it is none, or the multibody does not move it, as before
+/// finalizeMultiDof, which makes room for velocities.
+const btMultiBodyLinkCollider* qcAsLink(const btCollisionObject* object);
+
+/// An object with meshes.
+struct qcSceneRigid
+{
+    btCollisionObject* object = nullptr;
+    int uniqueId = 0;          ///< see qcUniqueIdOf
+    bool withSurfaces = false; ///< `shapes` are not only qcMeshShapes
+    bool isReshaped = false;   ///< other triangles than in the previous step, and no mesh of it deforms
+    std::vector<qcSceneShape> shapes;
+    std::vector<qcSceneMesh> meshes; ///< one for each shape that has triangles
+    qcActivity activity = qc_activityMoving;
+    btRigidBody* body = nullptr;                     ///< null: contacts move no rigid body
+    qcMultiBodyMotion* multibody = nullptr;          ///< null: contacts move no link of a multibody
+    size_t link = 0;                                 ///< its index there
+    btTransform start = btTransform::getIdentity();  ///< of the object, at the start of the step
+    btTransform solved = btTransform::getIdentity(); ///< of the object, after Bullet's own solvers
+
+    bool isGuided = false;      ///< it can move, and not in all directions alike: joints or factors guide it
+    qcRigidDisplacement pushed; ///< of its body, by contacts since the last Commit
+    qcRigidDisplacement moved;  ///< of its body, by Commit since the last UpdateVelocities
+    bool isFixed = false; ///< contacts of this step move it no further: its limits have stopped it, or it has returned
+    bool fromStart = false; ///< a zone moves it from the start of the step, which determines its velocity, too
+    bool hasEnd = false;    ///< the object was in the previous step
+    btTransform end = btTransform::getIdentity(); ///< of the object, at the end of the previous step
+
+    /// True if contacts can move the object, unless it is fixed.
+    bool CanMove() const
+    {
+        return body != nullptr || multibody != nullptr;
+    }
+    /// Displacement of the point at `arm` from the centre, if `push` acts there: an impulse times the time step.
+    btVector3 DisplacementAt(const btVector3& arm, const btVector3& push) const;
+    /// Likewise, of the object.
+    qcRigidDisplacement DisplacementBy(const btVector3& arm, const btVector3& push) const;
+    /// Adds the motion by this push: of the object, or of all links of its multibody.
+    void Push(const btVector3& arm, const btVector3& push);
+    /// Displacement by the pushes since the last Commit.
+    const qcRigidDisplacement& Pushed() const
+    {
+        return multibody != nullptr ? multibody->Displacement(link) : pushed;
+    }
+    /// Wakes it, and its multibody, if Bullet moves it and it sleeps.
+    void Wake() const;
+    /// True if it can take any rigid motion: it is dynamic, and no factor or infinite inertia restricts it.
+    bool IsFree() const;
+    /// Has meshes deform from those of the previous step: see qcSceneMesh::DeformFrom.
+    void DeformFrom(const qcSceneRigid& last);
+    /// See qcSceneMesh.
+    void TakeBodies(qcSceneRigid* last);
+    /// See qcSceneMesh::Rest; true if none of its meshes deforms.
+    bool Rest();
+    /// True if one of its meshes deforms in the step.
+    bool Deforms() const
+    {
+        return std::any_of(meshes.begin(), meshes.end(), [](const qcSceneMesh& mesh) { return mesh.Deforms(); });
+    }
+    /// A vertex of one of its meshes at the start of the step, in world space.
+    btVector3 StartOf(const qcSceneMesh& mesh, uint32_t vertex) const
+    {
+        return start * (mesh.local * mesh.StartVertex(vertex));
+    }
+    /// Likewise at present.
+    btVector3 PresentOf(const qcSceneMesh& mesh, uint32_t vertex) const
+    {
+        return object->getWorldTransform() * (mesh.local * mesh.shape->getVertices()[vertex]);
+    }
+    /// The motion from the start of the step to another transform; the identity, exactly, if these are equal.
+    btTransform MotionTo(const btTransform& transform) const;
+    /// The box of the motion of one of its meshes, from the start of the step to the present.
+    void FindMotionBox(const qcSceneMesh& mesh, btVector3 box[2]) const;
+};
+
+#endif
