@@ -10,7 +10,7 @@ const btMultiBodyLinkCollider* qcAsLink(const btCollisionObject* object)
 {
     const btMultiBodyLinkCollider* link = btMultiBodyLinkCollider::upcast(object);
     const btMultiBody* multibody = link != nullptr ? link->m_multiBody : nullptr;
-    if (multibody == nullptr || multibody->getVelocityVector() == nullptr)
+    if (multibody == nullptr)
         return nullptr;
     return (link->m_link < 0 ? multibody->getBaseCollider() : multibody->getLinkCollider(link->m_link)) == link
                ? link

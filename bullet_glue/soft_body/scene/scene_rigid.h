@@ -12,8 +12,7 @@
 
 class btMultiBodyLinkCollider;
 
-/// The object as a link of its multibody. Null: it is none, or the multibody does not move it, as before
-/// finalizeMultiDof, which makes room for velocities.
+/// The object as a link of its multibody. Null: it is none, or the multibody does not move it.
 const btMultiBodyLinkCollider* qcAsLink(const btCollisionObject* object);
 
 /// An object with meshes.
