@@ -31,11 +31,17 @@ class qcMultiBodyWorld
     /// A square of 2 m, at a height, of 1 kg. `pinned`: at its four corners.
     virtual btSoftBody* AddCloth(btScalar height, bool pinned, int side = 16) = 0;
 
-    void Step(bool succeeds = true)
+    void Step()
     {
         World().stepSimulation(TimeStep(), 0);
-        if (succeeds)
-            ck_assert_int_eq(Contact().getStatistics().status, qc_statusOk);
+        ck_assert_int_eq(Contact().getStatistics().status, qc_statusOk);
+    }
+    /// A step in which nothing passes anything.
+    void StepApart(qcMotionOracle& oracle)
+    {
+        Step();
+        ck_assert_uint_eq(oracle.Count(), 0);
+        ck_assert_int_eq(Contact().getStatistics().unproven, 0);
     }
 
   protected:
@@ -144,6 +150,34 @@ inline std::unique_ptr<qcMultiBodyWorld> qcMakeMultiBodyWorld(bool isDeformable,
         return std::unique_ptr<qcMultiBodyWorld>(new qcDeformableMultiBodyWorld(gravity));
     return std::unique_ptr<qcMultiBodyWorld>(new qcClassicMultiBodyWorld(gravity));
 }
+
+/// A static box. It is in its world while it lives.
+class qcFixedBox
+{
+  public:
+    qcFixedBox(qcMultiBodyWorld& world, const btVector3& half, const btVector3& place)
+        : m_world(world.World()), m_shape(half), m_body(0, nullptr, &m_shape)
+    {
+        m_body.setWorldTransform(btTransform(btQuaternion::getIdentity(), place));
+        m_world.addRigidBody(&m_body);
+    }
+    ~qcFixedBox()
+    {
+        m_world.removeRigidBody(&m_body);
+    }
+    qcFixedBox(const qcFixedBox&) = delete;
+    qcFixedBox& operator=(const qcFixedBox&) = delete;
+
+    const btRigidBody* Body() const
+    {
+        return &m_body;
+    }
+
+  private:
+    btMultiBodyDynamicsWorld& m_world;
+    btBoxShape m_shape;
+    btRigidBody m_body;
+};
 
 /// A multibody whose links are boxes. It is in its world while it lives.
 class qcRobot
