@@ -1,8 +1,28 @@
-// Bodies that joints or factors guide: they give way to a push in some directions, and in others hardly or not at all.
-#ifndef QC_GLUE_COMMON_GUIDED_MOTION_H
-#define QC_GLUE_COMMON_GUIDED_MOTION_H
+// How a push displaces a body, free or guided: joints or factors let it give way in some directions, and in others
+// hardly or not at all.
+#ifndef QC_GLUE_COMMON_RIGID_DISPLACEMENT_H
+#define QC_GLUE_COMMON_RIGID_DISPLACEMENT_H
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
+
+/// A rotation vector, and a translation of the centre.
+struct qcRigidDisplacement
+{
+    btVector3 angular{0, 0, 0}, linear{0, 0, 0};
+
+    /// The displacement of the point at `arm` from the centre.
+    btVector3 At(const btVector3& arm) const
+    {
+        return linear + angular.cross(arm);
+    }
+};
+
+/// The displacement of a dynamic body if `push`, an impulse times the time step, acts at `arm` from its centre.
+inline qcRigidDisplacement qcDisplacementBy(const btRigidBody& body, const btVector3& arm, const btVector3& push)
+{
+    return {body.getInvInertiaTensorWorld() * arm.cross(push) * body.getAngularFactor(),
+            push * body.getLinearFactor() * body.getInvMass()};
+}
 
 /// True if a dynamic body can take any rigid motion: no factor and no infinite inertia restricts it.
 inline bool qcIsFree(const btRigidBody& body)

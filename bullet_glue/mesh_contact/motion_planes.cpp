@@ -1,7 +1,7 @@
 // Separating planes between triangles of two meshes that are not proven apart over a step.
 #include "mesh_contact/motion_planes.h"
 
-#include "common/guided_motion.h"
+#include "common/rigid_displacement.h"
 
 #include <algorithm>
 
@@ -55,14 +55,12 @@ struct Yield
         if (swept.body == nullptr)
             return;
         const btRigidBody& body = *swept.body;
-        linear = direction * body.getLinearFactor() * body.getInvMass();
-        angular = body.getInvInertiaTensorWorld() * arm.cross(direction) * body.getAngularFactor();
+        const qcRigidDisplacement by = qcDisplacementBy(body, arm, direction);
+        if (!qcIsFree(body) && qcIsLedElsewhere(by.At(arm), direction))
+            return;
+        linear = by.linear;
+        angular = by.angular;
         along = direction.dot(linear) + direction.dot(angular.cross(arm));
-        if (!qcIsFree(body) && qcIsLedElsewhere(linear + angular.cross(arm), direction))
-        {
-            linear = angular = btVector3(0, 0, 0);
-            along = 0;
-        }
         // What lies on a floor has it behind: the floor does not give way, and the body neither sinks nor tilts.
         for (const qcSweptFloor& floor : swept.floors)
             if (direction.dot(floor.normal) < 0 && floor.HeightOf(*swept.hull, swept.end) <= 0)

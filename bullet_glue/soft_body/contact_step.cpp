@@ -412,6 +412,14 @@ qcStatus qcSoftBodyContact::Implementation::MoveZones()
     return qc_statusOk;
 }
 
+/// Calls function(rigid) for the objects in the zone of each unproven pair.
+template <typename Function>
+void qcSoftBodyContact::Implementation::ForEachUnprovenObject(const Function& function) const
+{
+    for (const qcUnprovenPair& unproven : m_unproven)
+        m_zones.ForEachObjectWith(unproven.pair, function);
+}
+
 /// Pushes guided meshes out of the nodes of their zones, which stay. False: no unproven pair has a mesh that gives way.
 bool qcSoftBodyContact::Implementation::PushGuided()
 {
@@ -422,6 +430,15 @@ bool qcSoftBodyContact::Implementation::PushGuided()
     return scene.meshes.Commit();
 }
 
+/// Returns one guided mesh of the zones of unproven pairs to the start of the step, with its multibody. False: none
+/// can.
+bool qcSoftBodyContact::Implementation::ReturnGuided()
+{
+    std::vector<qcSceneRigid*> rigids;
+    ForEachUnprovenObject([&rigids](qcSceneRigid& rigid) { rigids.push_back(&rigid); });
+    return scene.meshes.ReturnToStart(rigids);
+}
+
 /// Moves guided meshes out of zones that they leave no room, as fingers of a robot do that press cloth against a wall.
 /// The last resort is that such a mesh, with its multibody, returns to the start of the step.
 qcStatus qcSoftBodyContact::Implementation::MoveGuided()
@@ -430,14 +447,9 @@ qcStatus qcSoftBodyContact::Implementation::MoveGuided()
         return qc_statusOk;
     BT_PROFILE("qcSoftBodyContact move guided");
     qcStatus status = qc_statusOk;
-    std::vector<qcSceneRigid*> rigids;
-    auto add = [&rigids](qcSceneRigid& rigid) { rigids.push_back(&rigid); };
     for (int round = 0; status == qc_statusOk && !m_unproven.empty(); round++)
     {
-        rigids.clear();
-        for (const qcUnprovenPair& unproven : m_unproven)
-            m_zones.ForEachObjectWith(unproven.pair, add);
-        if (!(round < s_planeRounds && PushGuided()) && !scene.meshes.ReturnToStart(rigids))
+        if (!(round < s_planeRounds && PushGuided()) && !ReturnGuided())
             return qc_statusOk;
         statistics.rounds++;
         m_zones.Renew();
@@ -467,13 +479,12 @@ qcRigidLimits* qcSoftBodyContact::Implementation::FindLimits()
 std::vector<const btCollisionObject*> qcSoftBodyContact::Implementation::UnprovenRigids()
 {
     std::vector<const btCollisionObject*> objects;
-    auto add = [&objects](const qcSceneRigid& rigid)
-    {
-        if (rigid.body != nullptr && !qcAreSame(rigid.object->getWorldTransform(), rigid.start))
-            objects.push_back(rigid.object);
-    };
-    for (const qcUnprovenPair& unproven : m_unproven)
-        m_zones.ForEachObjectWith(unproven.pair, add);
+    ForEachUnprovenObject(
+        [&objects](const qcSceneRigid& rigid)
+        {
+            if (rigid.body != nullptr && !qcAreSame(rigid.object->getWorldTransform(), rigid.start))
+                objects.push_back(rigid.object);
+        });
     return objects;
 }
 

@@ -70,7 +70,9 @@ struct qcSoftBodyContact::Implementation
     qcStatus SolveContacts();
     qcStatus SolvePlanes();
     qcStatus MoveZones();
+    template <typename Function> void ForEachUnprovenObject(const Function& function) const;
     bool PushGuided();
+    bool ReturnGuided();
     qcStatus MoveGuided();
     qcStatus MoveApart();
     qcRigidLimits* FindLimits();

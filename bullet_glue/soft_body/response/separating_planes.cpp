@@ -85,7 +85,7 @@ struct Corners
         for (int i = 0; i < side->count; i++)
         {
             corner[i] = side->soft != nullptr ? OfSoft(side->vertices[i]) : OfMesh(side->vertices[i]);
-            if (!movesAll && (side->soft != nullptr || !side->rigid->isGuided))
+            if (!movesAll && !IsGuided())
                 corner[i].inverseMass = 0;
             lowest = std::min(lowest, corner[i].height);
             if (corner[i].inverseMass > 0)
@@ -140,14 +140,16 @@ struct Corners
     /// plane or into it. False: it would raise the body by far less than the push alone, and there can be none.
     bool TakeFriction(const btVector3& sliding)
     {
+        if (!IsGuided())
+            return true;
         btScalar along[3] = {0, 0, 0};
-        for (int i = 0; i < side->count && IsGuided(); i++)
+        for (int i = 0; i < side->count; i++)
         {
             along[i] = outward.dot(side->rigid->DisplacementAt(corner[i].arm, outward + sliding));
             if (corner[i].inverseMass > 0 && along[i] < s_minRise * corner[i].inverseMass)
                 return false;
         }
-        for (int i = 0; i < side->count && IsGuided(); i++)
+        for (int i = 0; i < side->count; i++)
             corner[i].inverseMass = corner[i].inverseMass > 0 ? along[i] : btScalar(0);
         return true;
     }
@@ -240,8 +242,7 @@ btScalar FindShare(const Corners& above, const Corners& below, btScalar missing)
     return min;
 }
 
-/// Pushes both sides out of the missing gap. `movesAll`: false: guided
-/// objects alone.
+/// Pushes both sides out of the missing gap; `movesAll`: false: guided objects alone.
 void SolvePlane(const qcSeparationPlane& plane, bool movesAll)
 {
     btVector3 origin = plane.above.soft != nullptr   ? plane.above.soft->positions[plane.above.vertices[0]]
@@ -259,13 +260,13 @@ void SolvePlane(const qcSeparationPlane& plane, bool movesAll)
     btScalar floorAbove = above.lowest + share * missing, floorBelow = below.lowest + (1 - share) * missing;
     // Many planes push a guided body out of nodes that stay, each for itself: friction of all would hold it fast.
     btVector3 friction = movesAll ? FindFriction(plane, above, floorAbove, below, floorBelow) : btVector3(0, 0, 0);
-    if (!above.TakeFriction(friction) || !below.TakeFriction(-friction))
+    if (!friction.isZero() && (above.IsGuided() || below.IsGuided()))
     {
-        friction.setZero();
-        above.TakeFriction(friction);
-    }
-    if (above.IsGuided() || below.IsGuided())
-    {
+        if (!above.TakeFriction(friction) || !below.TakeFriction(-friction))
+        {
+            friction.setZero();
+            above.TakeFriction(friction);
+        }
         share = FindShare(above, below, missing);
         floorAbove = above.lowest + share * missing;
         floorBelow = below.lowest + (1 - share) * missing;

@@ -53,8 +53,8 @@ class qcSeparationPlanes
 {
   public:
     void Clear();
-    /// Adds a plane for a pair, unless the pair has one. `widening`: by which the gap of the start is to grow, as a share
-    /// of the thickness.
+    /// Adds a plane for a pair, unless the pair has one. `widening`: by which the gap of the start is to grow, as a
+    /// share of the thickness.
     void Add(qcSoftBodyScene& scene, const qcUnprovenPair& unproven, btScalar widening = 0);
     /// Gauss-Seidel sweeps over all planes. Moves positions of nodes; meshes move with the next Commit. `movesAll`:
     /// false: guided meshes alone.

@@ -17,6 +17,13 @@ btVector3 CenterOfLink(const btMultiBody& body, int link)
     return body.localPosToWorld(link, btVector3(0, 0, 0));
 }
 
+/// Torque about the centre, then force.
+std::array<btScalar, 6> WrenchOf(const btVector3& arm, const btVector3& push)
+{
+    const btVector3 turn = arm.cross(push);
+    return {turn.x(), turn.y(), turn.z(), push.x(), push.y(), push.z()};
+}
+
 btScalar Dot(const std::vector<btScalar>& a, const std::vector<btScalar>& b)
 {
     btScalar sum = 0;
@@ -143,26 +150,22 @@ qcRigidDisplacement qcMultiBodyMotion::DisplacementOf(const Link& link, const Co
 qcRigidDisplacement qcMultiBodyMotion::DisplacementBy(size_t link, const btVector3& arm, const btVector3& push) const
 {
     const std::array<qcRigidDisplacement, 6>& yield = m_links[link].yield;
-    const btVector3 turn = arm.cross(push);
+    const std::array<btScalar, 6> wrench = WrenchOf(arm, push);
     qcRigidDisplacement sum;
     for (size_t k = 0; k < 6; k++)
     {
-        const btScalar by = k < 3 ? turn[int(k)] : push[int(k) - 3];
-        sum.angular += yield[k].angular * by;
-        sum.linear += yield[k].linear * by;
+        sum.angular += yield[k].angular * wrench[k];
+        sum.linear += yield[k].linear * wrench[k];
     }
     return sum;
 }
 
 void qcMultiBodyMotion::Push(size_t link, const btVector3& arm, const btVector3& push)
 {
-    const btVector3 turn = arm.cross(push);
+    const std::array<btScalar, 6> wrench = WrenchOf(arm, push);
     for (size_t k = 0; k < 6; k++)
-    {
-        const btScalar by = k < 3 ? turn[int(k)] : push[int(k) - 3];
         for (size_t i = 0; i < m_pushed.size(); i++)
-            m_pushed[i] += m_links[link].response[k][i] * by;
-    }
+            m_pushed[i] += m_links[link].response[k][i] * wrench[k];
     for (Link& other : m_links)
         other.displacement = DisplacementOf(other, m_pushed);
 }
@@ -189,9 +192,7 @@ bool qcMultiBodyMotion::Commit()
     MoveColliders(&m_body);
     for (size_t i = 0; i < m_pushed.size(); i++)
         m_moved[i] += m_pushed[i];
-    std::fill(m_pushed.begin(), m_pushed.end(), btScalar(0));
-    for (Link& link : m_links)
-        link.displacement = qcRigidDisplacement();
+    ForgetPushes();
     return m_hasMoved = true;
 }
 
@@ -201,13 +202,19 @@ void qcMultiBodyMotion::UpdateVelocities(btScalar timeStep)
     std::fill(m_moved.begin(), m_moved.end(), btScalar(0));
 }
 
-/// Forgets pushes.
-void qcMultiBodyMotion::Clear()
+/// Forgets pushes since the last Commit.
+void qcMultiBodyMotion::ForgetPushes()
 {
     std::fill(m_pushed.begin(), m_pushed.end(), btScalar(0));
-    std::fill(m_moved.begin(), m_moved.end(), btScalar(0));
     for (Link& link : m_links)
         link.displacement = qcRigidDisplacement();
+}
+
+/// Forgets all pushes that velocities don't follow yet.
+void qcMultiBodyMotion::Clear()
+{
+    ForgetPushes();
+    std::fill(m_moved.begin(), m_moved.end(), btScalar(0));
 }
 
 void qcMultiBodyMotion::Restore()

@@ -6,23 +6,13 @@
 #ifndef QC_GLUE_SOFT_BODY_SCENE_MULTIBODY_MOTION_H
 #define QC_GLUE_SOFT_BODY_SCENE_MULTIBODY_MOTION_H
 
+#include "common/rigid_displacement.h"
+
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 
 #include <array>
 #include <cstddef>
 #include <vector>
-
-/// A rotation vector, and a translation of the centre.
-struct qcRigidDisplacement
-{
-    btVector3 angular{0, 0, 0}, linear{0, 0, 0};
-
-    /// The displacement of the point at `arm` from the centre.
-    btVector3 At(const btVector3& arm) const
-    {
-        return linear + angular.cross(arm);
-    }
-};
 
 /// Where the base and the joints of a multibody are.
 class qcJointPositions
@@ -110,6 +100,7 @@ class qcMultiBodyMotion
     void FindJacobian(int link, std::array<Coordinates, 6>* jacobian) const;
     void FindResponse(const Coordinates& force, Coordinates* response) const;
     static qcRigidDisplacement DisplacementOf(const Link& link, const Coordinates& moved);
+    void ForgetPushes();
     void Clear();
     void KeepFixed(Coordinates* moved) const;
     void SetVelocities(const Coordinates& velocities);

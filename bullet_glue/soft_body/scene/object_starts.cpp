@@ -65,11 +65,12 @@ void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep)
     m_moved.push_back(MakeMoved(object, state.start));
 }
 
-void qcObjectStarts::Begin(const std::set<btBroadphaseInterface*>& broadphases)
+void qcObjectStarts::Begin(const std::set<btBroadphaseInterface*>& broadphases, const ObjectFunction& function)
 {
     qcForEachObject(broadphases,
-                    [this](btCollisionObject* object, btBroadphaseInterface*)
+                    [this, &function](btCollisionObject* object, btBroadphaseInterface*)
                     {
+                        function(object);
                         if (!IsDynamic(object))
                             return;
                         auto [found, isNew] = m_states.emplace(qcObjectKey(object), State());

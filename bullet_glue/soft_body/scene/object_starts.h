@@ -16,8 +16,10 @@
 class qcObjectStarts
 {
   public:
-    /// The step starts: reads where the application has left the bodies that Bullet moves. O(objects).
-    void Begin(const std::set<btBroadphaseInterface*>& broadphases);
+    using ObjectFunction = std::function<void(const btCollisionObject*)>;
+    /// The step starts: reads where the application has left the bodies that Bullet moves. Calls function(object) for
+    /// each object. O(objects).
+    void Begin(const std::set<btBroadphaseInterface*>& broadphases, const ObjectFunction& function);
     /// Reads the objects of the step, after Bullet has moved them, but those that are not finite. Objects that have
     /// left the broadphases are forgotten. O(objects).
     void Read(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep);

@@ -103,14 +103,13 @@ void ReadState(qcSceneRigid* rigid, const btTransform& start)
 
 void qcSoftBodyMeshes::BeginStep(const std::set<btBroadphaseInterface*>& broadphases)
 {
-    m_starts.Begin(broadphases);
     m_beginnings.clear();
-    qcForEachObject(broadphases,
-                    [this](btCollisionObject* object, btBroadphaseInterface*)
-                    {
-                        if (const btMultiBodyLinkCollider* link = qcAsLink(object))
-                            m_beginnings.try_emplace(link->m_multiBody, *link->m_multiBody);
-                    });
+    m_starts.Begin(broadphases,
+                   [this](const btCollisionObject* object)
+                   {
+                       if (const btMultiBodyLinkCollider* link = qcAsLink(object))
+                           m_beginnings.try_emplace(link->m_multiBody, *link->m_multiBody);
+                   });
 }
 
 void qcSoftBodyMeshes::ReadMotions(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep)
@@ -440,7 +439,8 @@ void qcSoftBodyMeshes::AddLinks()
             if (other != nullptr && other->getBroadphaseHandle() != nullptr &&
                 MayHaveMeshes(other, m_overlaps[i].withSurfaces) && qcIsFinite(*other) && !IsCollected(other))
             {
-                const Overlap overlap{other, m_overlaps[i].withSurfaces, {m_overlaps[i].box[0], m_overlaps[i].box[1]}};
+                Overlap overlap = m_overlaps[i];
+                overlap.object = other;
                 m_overlaps.push_back(overlap);
             }
         }
@@ -673,7 +673,7 @@ void qcSoftBodyMeshes::RecordEnds()
         rigid->end = rigid->object->getWorldTransform();
         m_starts.RecordEnd(rigid->object);
     }
-    // Links that are near no soft body have moved, too.
+    // Links that are not in the scene, since soft bodies leave their shapes to Bullet, have moved, too.
     for (const std::unique_ptr<qcMultiBodyMotion>& multibody : m_multibodies)
         multibody->ForEachMovedCollider([this](const btCollisionObject* link) { m_starts.RecordEnd(link); });
 }

@@ -1,8 +1,6 @@
 // How contacts move a rigid object.
 #include "soft_body/scene/scene_rigid.h"
 
-#include "common/guided_motion.h"
-
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 #include <LinearMath/btAabbUtil2.h>
 
@@ -26,10 +24,7 @@ qcRigidDisplacement qcSceneRigid::DisplacementBy(const btVector3& arm, const btV
     if (multibody != nullptr)
         by = multibody->DisplacementBy(link, arm, push);
     else if (body != nullptr)
-    {
-        by.angular = body->getInvInertiaTensorWorld() * arm.cross(push) * body->getAngularFactor();
-        by.linear = push * body->getLinearFactor() * body->getInvMass();
-    }
+        by = qcDisplacementBy(*body, arm, push);
     return isGuided && qcIsLedElsewhere(by.At(arm), push) ? qcRigidDisplacement() : by;
 }
 
