@@ -2,6 +2,7 @@
 #include "narrowphase/narrowphase.h"
 
 #include "base/clock.h"
+#include "base/ordered_keys.h"
 #include "base/parallel_for.h"
 #include "base/parallel_sort.h"
 #include "base/radix_sort.h"
@@ -287,6 +288,14 @@ static qcStatus PrepareLocalMinima(qcNarrowphase* narrow, const qcStepTriangles*
     return qc_statusOk;
 }
 
+/// Where the classified pairs begin that are in order, as those of a device are in most of its steps: only the others
+/// are sorted. Their number: where few are, all are sorted.
+static size_t FindOrdered(const qcArray* classified, size_t total)
+{
+    size_t begin = qcOrderedKeys_FindBegin(classified->data, classified->count);
+    return 2 * (classified->count - begin) > total ? begin : classified->count;
+}
+
 /// All pairs, sorted, into narrow->related.
 static qcStatus CollectPairs(qcNarrowphase* narrow, const qcArray* classified, uint32_t threads)
 {
@@ -303,9 +312,17 @@ static qcStatus CollectPairs(qcNarrowphase* narrow, const qcArray* classified, u
     for (size_t i = 1; i < narrow->workers.count; i++)
         QC_TRY(qcArray_Append(&narrow->related, &QC_AT(qcNarrowphaseWorker, narrow->workers, i).found, sizeof(uint64_t),
                               "pairs"));
-    QC_TRY(qcArray_Append(&narrow->related, classified, sizeof(uint64_t), "pairs"));
+    const uint64_t* ordered = classified->data;
+    size_t begin = FindOrdered(classified, total), orderedCount = classified->count - begin;
+    uint64_t* related = narrow->related.data;
+    if (begin != 0)
+        memcpy(related + narrow->related.count, ordered, begin * sizeof(uint64_t));
+    narrow->related.count = total;
     QC_TRY(qcArray_Resize(&narrow->pairs, total, sizeof(qcPair), "pairs"));
-    return qcParallelSort_Keys(threads, narrow->related.data, total, &narrow->scratch);
+    QC_TRY(qcParallelSort_Keys(threads, related, total - orderedCount, &narrow->scratch));
+    if (orderedCount != 0)
+        qcOrderedKeys_Merge(related, total - orderedCount, ordered + begin, orderedCount);
+    return qc_statusOk;
 }
 
 static void FillPairs(void* context, size_t block, uint32_t worker)

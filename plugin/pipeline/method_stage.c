@@ -135,7 +135,7 @@ qcStatus qcMethodStage_Sweep(const qcStep* step, const qcStepTriangles* triangle
     QC_TRY(qcBvhCandidates_Run(&bvhJob, &stage->bvhs, &stage->candidates, profile));
     QC_TRY(ListNeighbours(step, triangles, stage));
     const qcPairKeys keys = LayersKeys(stage);
-    return qcCandidates_Add(triangles, pcs, &keys, &stage->candidates);
+    return qcCandidates_Take(triangles, pcs, &keys, &stage->candidates);
 }
 
 void qcMethodStage_Free(qcMethodStage* stage)

@@ -1,20 +1,29 @@
-// A bitmap of global triangle indices, in two levels so that empty parts cost nothing, then lists.
+// Marks of global triangle indices, in two levels so that empty parts cost nothing, then lists.
 #include "pipeline/pcs_report.h"
 
 #include "base/status.h"
 
-/// The bitmaps. By value, so that no mark can change a pointer.
+#include <string.h>
+
+enum
+{
+    qc_groupSize = 64,
+    qc_groupsOfWord = 8
+};
+
+/// By value, so that no mark can change a pointer.
 typedef struct Marks
 {
-    uint64_t *bits, *groups;
+    uint8_t *triangles, *groups; ///< 1: marked
+    uint64_t* bits;              ///< by group: a bit a triangle, once they are made of the marks
+    size_t groupCount;           ///< a multiple of qc_groupsOfWord
 } Marks;
 
 static void Mark(Marks marks, uint32_t triangle)
 {
-    uint64_t* word = &marks.bits[triangle / 64];
-    if (*word == 0)
-        marks.groups[triangle / 4096] |= UINT64_C(1) << triangle / 64 % 64;
-    *word |= UINT64_C(1) << triangle % 64;
+    // Bytes: to set a bit takes a read, which waits for the write of the mark before it.
+    marks.triangles[triangle] = 1;
+    marks.groups[triangle / qc_groupSize] = 1;
 }
 
 static void MarkKey(Marks marks, uint64_t key)
@@ -37,6 +46,22 @@ static void MarkAll(const qcStepTriangles* triangles, const qcPcs* pcs, const qc
         MarkKey(marks, qcRelatedPair_Key(classified[i]));
 }
 
+/// Eight bytes, the first the lowest.
+static uint64_t WordOf(const uint8_t* bytes)
+{
+    uint64_t word = 0;
+    for (int i = 0; i < 8; i++)
+        word |= (uint64_t)bytes[i] << 8 * i;
+    return word;
+}
+
+/// A bit for each of eight marks. They are the lowest bits of their bytes: the product's highest byte has them side by
+/// side, and nothing is carried into it.
+static uint64_t BitsOf(const uint8_t* marks)
+{
+    return WordOf(marks) * UINT64_C(0x0102040810204080) >> 56;
+}
+
 /// Takes the lowest bit of a word that is not 0.
 static uint32_t TakeBit(uint64_t* word)
 {
@@ -45,27 +70,37 @@ static uint32_t TakeBit(uint64_t* word)
     return bit;
 }
 
-static size_t CountMarked(Marks marks, size_t groupCount)
+/// Makes bits of the marks of triangles, and clears these. Returns the number of marked triangles.
+static size_t MakeBits(Marks marks)
 {
     size_t count = 0;
-    for (size_t g = 0; g < groupCount; g++)
-        for (uint64_t words = marks.groups[g]; words != 0;)
-            count += (size_t)__builtin_popcountll(marks.bits[64 * g + TakeBit(&words)]);
+    for (size_t first = 0; first < marks.groupCount; first += qc_groupsOfWord)
+        for (uint64_t groups = BitsOf(marks.groups + first); groups != 0;)
+        {
+            size_t g = first + TakeBit(&groups);
+            uint8_t* ofGroup = marks.triangles + qc_groupSize * g;
+            uint64_t bits = 0;
+            for (int i = 0; i < qc_groupSize; i += 8)
+                bits |= BitsOf(ofGroup + i) << i;
+            memset(ofGroup, 0, qc_groupSize);
+            marks.bits[g] = bits;
+            count += (size_t)__builtin_popcountll(bits);
+        }
     return count;
 }
 
-/// Lists the marked triangles, and clears the marks.
-static void TakeMarked(const qcStepTriangles* triangles, Marks marks, size_t groupCount, qcTriangleRef* list)
+/// Lists the triangles of the bits, and clears the marks of groups.
+static void ListBits(const qcStepTriangles* triangles, Marks marks, qcTriangleRef* list)
 {
     uint32_t body = 0, first = 0, end = 0, slot = 0;
-    for (size_t g = 0; g < groupCount; g++)
+    for (size_t word = 0; word < marks.groupCount; word += qc_groupsOfWord)
     {
-        for (uint64_t words = marks.groups[g]; words != 0;)
+        for (uint64_t groups = BitsOf(marks.groups + word); groups != 0;)
         {
-            size_t w = 64 * g + TakeBit(&words);
-            for (uint64_t left = marks.bits[w]; left != 0;)
+            size_t g = word + TakeBit(&groups);
+            for (uint64_t left = marks.bits[g]; left != 0;)
             {
-                uint32_t triangle = (uint32_t)(64 * w) + TakeBit(&left);
+                uint32_t triangle = (uint32_t)(qc_groupSize * g) + TakeBit(&left);
                 for (; triangle >= end; body++)
                 {
                     first = qcStepTriangles_First(triangles, body);
@@ -74,20 +109,19 @@ static void TakeMarked(const qcStepTriangles* triangles, Marks marks, size_t gro
                 }
                 *list++ = (qcTriangleRef){slot, triangle - first};
             }
-            marks.bits[w] = 0;
         }
-        marks.groups[g] = 0;
+        memset(marks.groups + word, 0, qc_groupsOfWord);
     }
 }
 
 static qcStatus ListTriangles(const qcStepTriangles* triangles, Marks marks, qcPcsReport* report)
 {
-    size_t groups = report->groups.count, count = CountMarked(marks, groups);
+    size_t count = MakeBits(marks);
     qcStatus status = qcArray_Resize(&report->triangles, count, sizeof(qcTriangleRef), "the PCS");
     if (status == qc_statusOk)
-        TakeMarked(triangles, marks, groups, report->triangles.data);
+        ListBits(triangles, marks, report->triangles.data);
     else
-        report->bits.count = report->groups.count = 0; // the next step clears them
+        report->groups.count = 0; // the next step clears them
     return status;
 }
 
@@ -162,11 +196,13 @@ static qcStatus ListCandidates(const qcStepTriangles* triangles, const qcCandida
 qcStatus qcPcsReport_Fill(const qcStepTriangles* triangles, const qcPcs* pcs, const qcCandidates* candidates,
                           bool ofImage, const qcDetectDef* def, qcPcsReport* report)
 {
-    size_t words = ((size_t)triangles->count + 63) / 64;
+    size_t ofWord = (size_t)qc_groupSize * qc_groupsOfWord;
+    size_t groups = (triangles->count + ofWord - 1) / ofWord * qc_groupsOfWord;
     report->sets.count = report->pairs.count = 0;
-    QC_TRY(qcArray_GrowZeroed(&report->bits, words, sizeof(uint64_t), "the PCS"));
-    QC_TRY(qcArray_GrowZeroed(&report->groups, (words + 63) / 64, sizeof(uint64_t), "the PCS"));
-    Marks marks = {report->bits.data, report->groups.data};
+    QC_TRY(qcArray_GrowZeroed(&report->marks, groups * qc_groupSize, 1, "the PCS"));
+    QC_TRY(qcArray_GrowZeroed(&report->groups, groups, 1, "the PCS"));
+    QC_TRY(qcArray_Resize(&report->bits, groups, sizeof(uint64_t), "the PCS"));
+    const Marks marks = {report->marks.data, report->groups.data, report->bits.data, groups};
     MarkAll(triangles, pcs, candidates, ofImage, marks);
     QC_TRY(ListTriangles(triangles, marks, report));
     if (def->sets && ofImage)
@@ -179,6 +215,7 @@ void qcPcsReport_Free(qcPcsReport* report)
     qcArray_Free(&report->triangles);
     qcArray_Free(&report->sets);
     qcArray_Free(&report->pairs);
+    qcArray_Free(&report->marks);
     qcArray_Free(&report->bits);
     qcArray_Free(&report->groups);
     qcArray_Free(&report->items);

@@ -9,9 +9,9 @@ typedef struct qcPcsReport
     qcArray triangles; ///< of qcTriangleRef, sorted
     qcArray sets;      ///< of qcTriangleSets, one for each triangle; empty unless requested
     qcArray pairs;     ///< of qcCandidate, sorted; empty unless requested
-    /// Scratch: a bit a triangle, since most triangles of most scenes are not in the PCS, and a bit for each 64 of
-    /// those bits. All are 0 between steps.
-    qcArray bits, groups;
+    //  Scratch.
+    qcArray marks, groups; ///< uint8_t: of triangles and of each 64 of them; all 0 between steps
+    qcArray bits;          ///< uint64_t, by group
     qcArray items, scratch;
 } qcPcsReport;
 

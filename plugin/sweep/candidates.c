@@ -143,11 +143,18 @@ qcStatus qcCandidates_Sweep(const qcCandidateRules* rules, qcCandidates* candida
     return qcCandidates_End(candidates, profile);
 }
 
-/// Appends pairs, given by their keys or as qcRelatedPair_Make, without those that the step's filter leaves out.
-static qcStatus AppendFiltered(const qcStepTriangles* t, const qcPcs* pcs, const qcArray* pairs, bool related,
-                               qcArray* array)
+/// Appends pairs, given by their keys or as qcRelatedPair_Make, without those that the step's filter leaves out. Where
+/// there are no others the lists swap places.
+static qcStatus TakeFiltered(const qcStepTriangles* t, const qcPcs* pcs, qcArray* pairs, bool related, qcArray* array)
 {
     size_t kept = array->count;
+    if (kept == 0 && t->filter == NULL)
+    {
+        qcArray empty = *array;
+        *array = *pairs;
+        *pairs = empty;
+        return qc_statusOk;
+    }
     QC_TRY(qcArray_Append(array, pairs, sizeof(uint64_t), "candidate pairs"));
     if (t->filter == NULL)
         return qc_statusOk;
@@ -162,12 +169,12 @@ static qcStatus AppendFiltered(const qcStepTriangles* t, const qcPcs* pcs, const
     return qc_statusOk;
 }
 
-qcStatus qcCandidates_Add(const qcStepTriangles* triangles, const qcPcs* pcs, const qcPairKeys* keys,
-                          qcCandidates* candidates)
+qcStatus qcCandidates_Take(const qcStepTriangles* triangles, const qcPcs* pcs, const qcPairKeys* keys,
+                           qcCandidates* candidates)
 {
-    QC_TRY(AppendFiltered(triangles, pcs, keys->keys, false, &candidates->keys));
-    QC_TRY(AppendFiltered(triangles, pcs, keys->contactKeys, false, &candidates->contactKeys));
-    QC_TRY(AppendFiltered(triangles, pcs, keys->classified, true, &candidates->classified));
+    QC_TRY(TakeFiltered(triangles, pcs, keys->keys, false, &candidates->keys));
+    QC_TRY(TakeFiltered(triangles, pcs, keys->contactKeys, false, &candidates->contactKeys));
+    QC_TRY(TakeFiltered(triangles, pcs, keys->classified, true, &candidates->classified));
     QC_TRY(qcRelatedPair_CheckCount(candidates->keys.count + candidates->classified.count, triangles->maxPairs));
     return qcRelatedPair_CheckCount(candidates->contactKeys.count, triangles->maxPairs);
 }

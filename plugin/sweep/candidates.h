@@ -47,9 +47,9 @@ qcStatus qcCandidates_Sweep(const qcCandidateRules* rules, qcCandidates* candida
 /// By comparing every box with every other: O(n^2). Replaces the candidates.
 qcStatus qcCandidates_Brute(const qcCandidateRules* rules, qcCandidates* candidates, qcProfile* profile);
 
-/// Adds pairs from a device, which can't call the step's filter.
-qcStatus qcCandidates_Add(const qcStepTriangles* triangles, const qcPcs* pcs, const qcPairKeys* keys,
-                          qcCandidates* candidates);
+/// Adds pairs from a device, which can't call the step's filter. What the lists of `keys` have then is of no use.
+qcStatus qcCandidates_Take(const qcStepTriangles* triangles, const qcPcs* pcs, const qcPairKeys* keys,
+                           qcCandidates* candidates);
 
 void qcCandidates_Free(qcCandidates* candidates);
 

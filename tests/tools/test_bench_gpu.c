@@ -133,7 +133,7 @@ START_TEST(each_kernel_has_its_times_where_it_runs)
     ck_assert_int_eq(
         Run("QC_LAYERS_REFINE=device %s gpu --scenes cloth,pile --triangles 1000 --threads 1 --out all", BENCH), 0);
     ck_assert_int_eq(ForEachRow("all/gpu_stages.csv", "scene,triangles,stage,thread_ms,device_ms", CheckStage, &all),
-                     2 * 18);
+                     2 * 19);
     ck_assert_int_eq(Run("QC_LAYERS_REFINE=processor %s gpu --scenes cloth,pile --triangles 1000 --threads 1 "
                          "--out image",
                          BENCH),

@@ -205,7 +205,8 @@ static bool Time(Bench* bench, bool isSoftware, qcGpuRun* run)
 static double FindProcessorMs(const qcGpuRow* row, bool software)
 {
     static const char* const others[] = {"hand-over", "wait", "timers", "exact"};
-    static const char* const kernels[] = {"vertices", "boxes", "nodes", "node pairs", "triangle pairs", "pair tests"};
+    static const char* const kernels[] = {"vertices",       "boxes",      "nodes", "node pairs",
+                                          "triangle pairs", "pair tests", "order"};
     double ms = 0.0;
     for (uint32_t i = 0; i < row->stageCount; ++i)
     {
@@ -213,7 +214,7 @@ static double FindProcessorMs(const qcGpuRow* row, bool software)
         bool counts = stage->threadMs > 0.0;
         for (int k = 0; k < 4; ++k)
             counts = counts && strcmp(stage->name, others[k]) != 0;
-        for (int k = 0; software && k < 6; ++k)
+        for (int k = 0; software && k < 7; ++k)
             counts = counts && strcmp(stage->name, kernels[k]) != 0;
         ms += counts ? stage->threadMs : 0.0;
     }

@@ -3,9 +3,8 @@
 #include "cull/layers/device_pairs.h"
 
 #include "base/parallel_for.h"
+#include "base/related_pair.h"
 #include "base/status.h"
-#include "gl/layers/layers_gpu.h"
-#include "scene/step_triangles.h"
 
 enum
 {
@@ -27,14 +26,19 @@ static size_t PairsOfBlock(const TakenPairs* taken, size_t block)
     return left < qc_pairsOfBlock ? left : qc_pairsOfBlock;
 }
 
+static uint64_t PairAt(const TakenPairs* taken, size_t i)
+{
+    const uint32_t* words = taken->from->pairs[i];
+    return (uint64_t)words[1] << 32 | words[0];
+}
+
 static void CountSurePairs(void* context, size_t block, uint32_t worker)
 {
     (void)worker;
     const TakenPairs* taken = context;
-    const uint32_t* pairs = taken->from->pairs + 2 * qc_pairsOfBlock * block;
-    size_t sure = 0, count = PairsOfBlock(taken, block);
+    size_t first = qc_pairsOfBlock * block, sure = 0, count = PairsOfBlock(taken, block);
     for (size_t i = 0; i < count; i++)
-        sure += pairs[2 * i] >> 31;
+        sure += qcRelatedPair_Relation(PairAt(taken, first + i)) != qc_relationDisjoint;
     taken->sureBefore[block] = sure;
 }
 
@@ -43,18 +47,17 @@ static void TakeBlock(void* context, size_t block, uint32_t worker)
     (void)worker;
     const TakenPairs* taken = context;
     size_t first = block * qc_pairsOfBlock, sureAt = taken->sureBefore[block], openAt = first - sureAt;
-    const uint32_t* pairs = taken->from->pairs + 2 * first;
     for (size_t i = 0; i < PairsOfBlock(taken, block); i++)
     {
-        uint64_t key = qcStepTriangles_Key(pairs[2 * i] & ~QC_SURE_PAIR, pairs[2 * i + 1]);
-        if ((pairs[2 * i] & QC_SURE_PAIR) == 0)
-            taken->keys[openAt++] = key;
-        else
+        uint64_t pair = PairAt(taken, first + i), key = qcRelatedPair_Key(pair);
+        if (qcRelatedPair_Relation(pair) == qc_relationDisjoint)
         {
-            if (taken->contactKeys != NULL)
-                taken->contactKeys[sureAt] = key;
-            taken->classified[sureAt++] = qcRelatedPair_Make(key, qc_relationPenetrating);
+            taken->keys[openAt++] = key;
+            continue;
         }
+        if (taken->contactKeys != NULL)
+            taken->contactKeys[sureAt] = key;
+        taken->classified[sureAt++] = pair;
     }
 }
 

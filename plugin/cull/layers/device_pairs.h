@@ -1,4 +1,4 @@
-// The pairs that the device found, as keys of candidates.
+// The pairs that the device found, as candidates.
 #ifndef QC_CULL_LAYERS_DEVICE_PAIRS_H
 #define QC_CULL_LAYERS_DEVICE_PAIRS_H
 
@@ -6,13 +6,14 @@
 
 typedef struct qcDevicePairs
 {
-    const uint32_t* pairs; ///< two triangles of the step each, qcLayersAnswer::pairs
+    const uint32_t (*pairs)[2]; ///< qcLayersAnswer::pairs
     size_t count;
     bool listClassified; ///< pairs that surely intersect are among the contact keys, too
     uint32_t threads;
 } qcDevicePairs;
 
-/// Adds the keys. Pairs that surely intersect need no exact test: they are classified. `scratch` is memory to reuse.
+/// Adds the pairs, in their order. Those that surely intersect need no exact test: they are classified. `scratch` is
+/// memory to reuse.
 qcStatus qcDevicePairs_Take(const qcDevicePairs* pairs, qcArray* scratch, const qcPairKeys* keys);
 
 #endif

@@ -150,8 +150,8 @@ static void FillProfile(const Step* step, const qcLayersStep* device, const qcLa
 }
 
 static const char* const s_partNames[qc_layersPartCount] = {
-    "prepare",        "hand-over",  "upload", "vertices", "boxes",     "nodes", "node pairs",
-    "triangle pairs", "pair tests", "wait",   "timers",   "hand-back", "refine"};
+    "prepare",        "hand-over",  "upload", "vertices", "boxes",  "nodes",     "node pairs",
+    "triangle pairs", "pair tests", "order",  "wait",     "timers", "hand-back", "refine"};
 
 /// `handed`, `answered`: when the step went to the device's thread and came back.
 static void FillTimes(const Step* step, const qcLayersAnswer* answer, double handed, double answered,
@@ -254,7 +254,8 @@ static qcStatus TryDevice(Step* step, const qcPairKeys* keys, qcProfile* profile
                                          .partnerBoxes = cull->partnerBoxes.data,
                                          .threads = job->threads};
     QC_TRY(qcGpuResidency_Prepare(&residencyJob, &cull->residency));
-    qcLayersStep device = {.testNeighbours = job->testNeighbours, .timed = job->timed};
+    qcLayersStep device = {
+        .triangleCount = job->triangles->count, .testNeighbours = job->testNeighbours, .timed = job->timed};
     qcGpuResidency_FillStep(&cull->residency, &cull->frame, &device);
     if (cull->residency.imageOnly)
         qcGridResolution_Choose(&cull->residency, job->triangles, &cull->frame, cull->bodyOf.data, job->columns,

@@ -12,14 +12,16 @@ typedef enum qcLayersWork
     /// qc_boxesOfNode a node: triangles, clusters, the node; then one an active node. For the image: qcBox8, a cluster
     /// each
     qc_workBoxes = qc_layersInputCount,
-    qc_workClusterBoxes,  ///< for the image only
-    qc_workNodeBoxes,     ///< for the image only: of all nodes, then a qcBox8 a node, boxes of its clusters
-    qc_workEntries,       ///< for the image only: qcLayersEntry
-    qc_workNodePairs,     ///< for pairs, and all that follow: two nodes, their pair masks
+    qc_workClusterBoxes, ///< for the image only
+    qc_workNodeBoxes,    ///< for the image only: of all nodes, then a qcBox8 a node, boxes of its clusters
+    qc_workEntries,      ///< for the image only: qcLayersEntry
+                    /// For pairs, and all that follow: two nodes, their pair masks. Once these have been read, buckets
+                    /// of pairs of triangles.
+    qc_workNodePairs,
     qc_workTrianglePairs, ///< two slots each
-    qc_workResults,       ///< a copy of the counters, then two triangles each
+    qc_workResults,       ///< a copy of the counters, then pairs of triangles, as in qcLayersAnswer
                     /// qc_counterWords of counters, then for the image by cell its first entry, for pairs by tile its
-                    /// box
+                    /// box, and by bucket its number of pairs.
     qc_workLists,
     qc_workStep, ///< for pairs: a copy of the step's bodies and active nodes
     qc_layersBufferCount
@@ -29,7 +31,7 @@ enum
 {
     qc_boxesOfNode = 73,
     qc_texelsOfImageNode = 7, ///< of qc_workNodeBoxes
-    qc_counterWords = 128,
+    qc_counterWords = 144,
     qc_tileNodes = 16, ///< active nodes of a tile
     qc_tileWords = 8,
     qc_parameterBytes = 256,

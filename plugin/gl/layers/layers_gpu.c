@@ -25,7 +25,8 @@ enum
     // Calls for each job in device.c, beside those that are counted here: for errors.
     qc_callsOfJob = 1,
     qc_spareItems = 4096,
-    // Words that an invocation of the first kernel resets or copies.
+    qc_nodePairBytes = 16, // of qc_workNodePairs
+                           // Words that an invocation of the first kernel resets or copies.
     qc_resetShare = 8,
     // Workgroups that compare tiles, where there are few tiles: a GPU of 132 multiprocessors runs half as many at a
     // time.
@@ -33,6 +34,13 @@ enum
     // Workgroups that find pairs of triangles, while each takes few pairs of nodes (H200: a folded cloth of 20 K
     // triangles has 2300 pairs of nodes, 4 a workgroup, a tangled one of 92 K has 15 000, 8 a workgroup).
     qc_pairingGroups = 2560,
+    // Pairs of triangles from which on the device puts them in order: that takes a GPU some 10 microseconds, and a
+    // processor 12 for a thousand. Buckets are many, since pairs lie in few places: of the bench's tangles and piles
+    // none has more than 500 pairs, on average 14 to 60.
+    qc_minOrdered = 4096,
+    qc_pairsOfBucket = 64,
+    qc_minBuckets = 1024,
+    qc_maxBuckets = 4096,
     // Rounds of a workgroup that goes through a list, so that no implementation stops its loops after 65 535
     // iterations: a round of triangle pairs has up to 564.
     qc_maxRounds = 32
@@ -55,8 +63,9 @@ static const int s_lists[list_count] = {qc_workEntries, qc_workNodePairs, qc_wor
 /// Room in a list's buffer that is none of the list's: for the item that doesn't fit, and for the counters.
 static const uint32_t s_reserved[list_count] = {1, 1, 1, 1 + qc_counterWords / 2};
 
-static const int s_kernelParts[qc_kernelCount] = {qc_partVertices,  qc_partBoxes,         qc_partNodes,    qc_partNodes,
-                                                  qc_partNodePairs, qc_partTrianglePairs, qc_partPairTests};
+static const int s_kernelParts[qc_kernelCount] = {qc_partVertices,  qc_partBoxes,     qc_partNodes,
+                                                  qc_partNodes,     qc_partNodePairs, qc_partTrianglePairs,
+                                                  qc_partPairTests, qc_partOrder};
 
 /// A counter as the kernels define it (common.glsl), on a cache line of its own.
 typedef struct Counter
@@ -66,7 +75,7 @@ typedef struct Counter
 
 typedef struct Counters
 {
-    Counter lists[list_count], skippedNodes, stopped, overflow, finished;
+    Counter lists[list_count], skippedNodes, stopped, overflow, finished, unordered;
 } Counters;
 _Static_assert(sizeof(Counters) == qc_counterWords * sizeof(uint32_t), "the counters of the kernels");
 
@@ -78,9 +87,10 @@ struct qcLayers
     qcLayersBuffers buffers;
     qcLayersStream stream;
     qcLayersKernels kernels;
-    Counters counters;  ///< of the last run
-    uint32_t runNumber; ///< of the last run; the last kernel writes it to `finished`
-    GLsync fence;       ///< of the run on the device; null: there is none
+    Counters counters;                 ///< of the last run
+    uint32_t bucketCount, bucketShift; ///< of the step; 0 buckets: pairs stay in no order
+    uint32_t runNumber;                ///< of the last run; the last kernel writes it to `finished`
+    GLsync fence;                      ///< of the run on the device; null: there is none
     qcGlTimers timers;
     qcLayersStep step; ///< the last one begun
     qcLayersAnswer answer;
@@ -145,11 +155,17 @@ static uint32_t PartsOfTile(uint32_t tiles)
     return count > least ? count : least;
 }
 
-/// Words of qc_workLists behind the counters.
+/// Words of qc_workLists between the counters and the buckets.
 static uint32_t ListWords(const qcLayers* layers, const qcLayersStep* step)
 {
     return layers->imageOnly ? 1u << (step->cellsLog2[0] + step->cellsLog2[1] + step->cellsLog2[2])
                              : TileCount(step) * qc_tileWords;
+}
+
+/// Word of qc_workLists.
+static uint32_t BucketsAt(const qcLayers* layers, const qcLayersStep* step)
+{
+    return qc_counterWords + ListWords(layers, step);
 }
 
 /// Chunks whose floats lie in the stream.
@@ -177,6 +193,20 @@ static uint32_t ListCapacity(const qcLayers* layers, List list)
 static uint32_t CountOf(const qcLayers* layers, List list)
 {
     return layers->counters.lists[list].count;
+}
+
+/// For about as many pairs as in the last run.
+static void ChooseBuckets(qcLayers* layers)
+{
+    uint32_t pairs = CountOf(layers, list_survivors), last = layers->step.triangleCount - 1, most = qc_minBuckets;
+    layers->bucketCount = layers->bucketShift = 0;
+    if (layers->imageOnly || pairs < qc_minOrdered)
+        return;
+    while (most < qc_maxBuckets && pairs / qc_pairsOfBucket > most)
+        most *= 2;
+    while (last >> layers->bucketShift >= most)
+        layers->bucketShift++;
+    layers->bucketCount = (last >> layers->bucketShift) + 1;
 }
 
 /// About as many as in the last run.
@@ -218,7 +248,10 @@ static void UploadParameters(const struct qcGlFunctions* gl, const qcLayers* lay
                                  .testNeighbours = step->testNeighbours,
                                  .pointError = step->pointError,
                                  .queryDistance = step->queryDistance,
-                                 .unit = step->frame.unit};
+                                 .unit = step->frame.unit,
+                                 .bucketCount = layers->bucketCount,
+                                 .bucketShift = layers->bucketShift,
+                                 .bucketsAt = BucketsAt(layers, step)};
     values.groupsAt = (uint32_t)(layers->buffers.capacity[qc_workNodeBoxes] / qc_texelsOfImageNode * 4);
     for (int i = 0; i < 3; i++)
     {
@@ -311,7 +344,7 @@ static void RunVertices(const struct qcGlFunctions* gl, qcLayers* layers)
 {
     const qcLayersStep* step = &layers->step;
     void* lists = layers->buffers.mapped[qc_workLists];
-    size_t words = qc_counterWords + (size_t)ListWords(layers, step), copied = FindPlaces(step).chunks;
+    size_t words = BucketsAt(layers, step) + (size_t)layers->bucketCount, copied = FindPlaces(step).chunks;
     words = copied > words && !layers->imageOnly ? copied : words;
     uint64_t chunks = OwnChunkCount(step), share = (uint64_t)qc_layersChunkSize * qc_resetShare;
     uint64_t groups = (words + share - 1) / share;
@@ -350,6 +383,8 @@ static void RunKernels(const struct qcGlFunctions* gl, qcLayers* layers)
     Run(gl, layers, qc_kernelNodePairs, (uint64_t)tiles * PartsOfTile(tiles));
     Run(gl, layers, qc_kernelTrianglePairs, GroupsOfList(layers, list_nodePairs, NodePairsOfGroup(layers)));
     Run(gl, layers, qc_kernelPairTests, GroupsOfList(layers, list_trianglePairs, qc_testsOfGroup));
+    if (layers->bucketCount != 0)
+        Run(gl, layers, qc_kernelOrder, layers->bucketCount);
 }
 
 /// Submits a run: all kernels, and a fence behind them. May be repeated.
@@ -381,7 +416,7 @@ static qcStatus ReserveAll(const struct qcGlFunctions* gl, qcLayers* layers)
     QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workBoxes, imageOnly ? 48 * nodes : (qc_boxesOfNode + 1) * nodes));
     QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workClusterBoxes, imageOnly ? 8 * nodes : 0));
     QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workNodeBoxes, imageOnly ? qc_texelsOfImageNode * nodes : 0));
-    QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workLists, qc_counterWords + (size_t)ListWords(layers, step)));
+    QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workLists, BucketsAt(layers, step) + (size_t)layers->bucketCount));
     QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workStep, imageOnly ? 0 : FindPlaces(step).chunks));
     // Items per node that a folded cloth needs, and enough for most small scenes; one that needs more takes one more
     // run.
@@ -389,7 +424,8 @@ static qcStatus ReserveAll(const struct qcGlFunctions* gl, qcLayers* layers)
     for (int list = 0; list < list_count; list++)
         QC_TRY(qcLayersBuffers_Reserve(gl, b, s_lists[list],
                                        HasList(layers, list) ? s_itemsPerNode[list] * nodes + qc_spareItems : 0));
-    return qc_statusOk;
+    return qcLayersBuffers_Reserve(gl, b, qc_workNodePairs,
+                                   (size_t)layers->bucketCount * qc_bucketSize * sizeof(uint64_t) / qc_nodePairBytes);
 }
 
 static qcStatus SubmitStep(const struct qcGlFunctions* gl, qcLayers* layers)
@@ -398,6 +434,7 @@ static qcStatus SubmitStep(const struct qcGlFunctions* gl, qcLayers* layers)
     gl->programs->calls = 0;
     qcGlTimers_Begin(gl, &layers->timers, step->timed, step->started, qc_partHandOver);
     layers->answer = (qcLayersAnswer){.uploadedBytes = StepBytes(step), .glCalls = qc_callsOfJob};
+    ChooseBuckets(layers);
     QC_TRY(ReserveAll(gl, layers));
     for (size_t i = 0; i < step->uploadCount; i++)
         layers->answer.uploadedBytes += qcLayersBuffers_Upload(gl, &layers->buffers, &step->uploads[i]);
@@ -475,8 +512,8 @@ static qcStatus ReadImage(const struct qcGlFunctions* gl, qcLayers* layers)
 
 static qcStatus ReadPairs(const struct qcGlFunctions* gl, qcLayers* layers)
 {
-    const uint32_t* words = qcLayersBuffers_Read(gl, &layers->buffers, qc_workResults);
-    layers->answer.pairs = words + qc_counterWords;
+    const uint32_t(*results)[2] = qcLayersBuffers_Read(gl, &layers->buffers, qc_workResults);
+    layers->answer.pairs = results + qc_counterWords / 2;
     layers->answer.pairCount = CountOf(layers, list_survivors);
     return qc_statusOk;
 }

@@ -90,6 +90,7 @@ typedef enum qcLayersPart
     qc_partNodePairs,
     qc_partTrianglePairs,
     qc_partPairTests,
+    qc_partOrder,
     qc_partWait,     ///< for the device; maps its results
     qc_partTimers,   ///< reads the times of the parts
     qc_partHandBack, ///< reads errors, returns to the calling thread
@@ -119,6 +120,7 @@ typedef struct qcLayersStep
     uint32_t sourceCount;
     size_t floatCount;           ///< words written to qcLayersMemory::floats
     size_t vertexCount;          ///< vertices written to qcLayersMemory::vertices
+    uint32_t triangleCount;      ///< of the step, bodies that do not take part included
     const uint32_t* activeNodes; ///< nodes of the step, changed ones first
     uint32_t changedNodes, activeCount;
     qcLayersFrame frame;
@@ -141,8 +143,6 @@ typedef struct qcLayersMemory
 } qcLayersMemory;
 
 #define QC_NO_ENTRY UINT32_MAX
-/// Indices of a step's triangles are below it: qc_maxStepTriangles.
-#define QC_SURE_PAIR (UINT32_C(1) << 31)
 
 /// A node in one cell's list.
 typedef struct qcLayersEntry
@@ -162,9 +162,10 @@ typedef struct qcLayersImage
 
 typedef struct qcLayersAnswer
 {
-    /// Two triangles of the step each, in no order; the first plus QC_SURE_PAIR where the interiors surely intersect.
+    /// As qcRelatedPair_Make, lower word first: penetrating where the interiors surely intersect, otherwise disjoint,
+    /// which stands for an unknown relation. Where the step before had many, the last ones are in order: most or all.
     /// Valid until the next step.
-    const uint32_t* pairs;
+    const uint32_t (*pairs)[2];
     size_t pairCount;
     qcLayersImage image; ///< instead of pairs with `imageOnly`; valid until the next step
     uint64_t entries;

@@ -3,6 +3,7 @@
 
 #include "base/status.h"
 #include "layers_shaders.h"
+#include "quickcullide/scene.h"
 
 #include <stddef.h>
 #include <stdio.h>
@@ -13,7 +14,7 @@ typedef struct KernelShape
     const char* source;
     int localSize; ///< invocations of a workgroup; small where items are few, so that all threads get some
     bool forImage, forPairs;
-    bool isLast; ///< the processor reads what it writes
+    bool isLast; ///< the processor may read what it writes
 } KernelShape;
 
 static const KernelShape s_shapes[qc_kernelCount] = {
@@ -25,9 +26,10 @@ static const KernelShape s_shapes[qc_kernelCount] = {
     [qc_kernelTrianglePairs] = {"layers, triangle pairs", s_layersTrianglePairs, qc_pairInvocations, false, true,
                                 false},
     [qc_kernelPairTests] = {"layers, pair tests", s_layersPairTests, qc_testsOfGroup, false, true, true},
+    [qc_kernelOrder] = {"layers, order", s_layersOrder, qc_orderInvocations, false, true, true},
 };
 // As the shaders' uniform block Step has them (std140).
-_Static_assert(offsetof(qcLayersParameters, origin) == 128 && sizeof(qcLayersParameters) == 160, "the layout std140");
+_Static_assert(offsetof(qcLayersParameters, origin) == 128 && sizeof(qcLayersParameters) == 176, "the layout std140");
 _Static_assert(8 * qc_maxNodePairs <= qc_pairInvocations, "an invocation for each cluster of a node of each pair");
 _Static_assert(sizeof(qcLayersParameters) <= qc_parameterBytes, "room for the parameters");
 
@@ -36,14 +38,15 @@ static void WriteConstants(char* text, size_t size, int kernel, bool imageOnly)
 {
     // For pairs the first kernel copies the step's data for the others.
     bool copies = !imageOnly && kernel == qc_kernelVertices, readsCopy = !imageOnly && !copies;
-    int length = snprintf(text, size,
-                          "#version 430 core\n#define BODY_WORDS %zuu\n#define LOCAL_SIZE %du\n"
-                          "#define COUNTER_WORDS %du\n#define BOXES_OF_NODE %d\n#define STEP_BINDING %d\n"
-                          "#define SOURCE_BINDING %d\n#define EMPTY_LIST %s\n#define TILE_NODES %du\n"
-                          "#define MAX_NODE_PAIRS %du\n",
-                          sizeof(qcLayersBody) / sizeof(uint32_t), s_shapes[kernel].localSize, qc_counterWords,
-                          qc_boxesOfNode, readsCopy ? qc_copyBinding : qc_streamBinding, qc_sourceBinding,
-                          imageOnly ? "none" : "highestLevel", qc_tileNodes, qc_maxNodePairs);
+    int length =
+        snprintf(text, size,
+                 "#version 430 core\n#define BODY_WORDS %zuu\n#define LOCAL_SIZE %du\n"
+                 "#define COUNTER_WORDS %du\n#define BOXES_OF_NODE %d\n#define STEP_BINDING %d\n"
+                 "#define SOURCE_BINDING %d\n#define EMPTY_LIST %s\n#define TILE_NODES %du\n"
+                 "#define MAX_NODE_PAIRS %du\n#define BUCKET_SIZE %du\n#define PENETRATING %du\n",
+                 sizeof(qcLayersBody) / sizeof(uint32_t), s_shapes[kernel].localSize, qc_counterWords, qc_boxesOfNode,
+                 readsCopy ? qc_copyBinding : qc_streamBinding, qc_sourceBinding, imageOnly ? "none" : "highestLevel",
+                 qc_tileNodes, qc_maxNodePairs, qc_bucketSize, qc_relationPenetrating);
     if (copies)
         snprintf(text + length, size - (size_t)length, "#define COPY_BINDING %d\n", qc_copyBinding);
 }

@@ -14,6 +14,7 @@ typedef enum qcLayersKernel
     qc_kernelNodePairs,
     qc_kernelTrianglePairs,
     qc_kernelPairTests,
+    qc_kernelOrder, ///< where there are buckets
     qc_kernelCount
 } qcLayersKernel;
 
@@ -25,7 +26,9 @@ enum
     qc_minNodePairs = 4,
     qc_maxNodePairs = 16,
     qc_groupsInRow = 1 << 15, ///< workgroups of a dispatch along x
-    qc_testsOfGroup = 64      ///< pairs of triangles that a workgroup of qc_kernelPairTests tests at a time
+    qc_testsOfGroup = 64,     ///< pairs of triangles that a workgroup of qc_kernelPairTests tests at a time
+    qc_bucketSize = 512,      ///< pairs of triangles that a workgroup of qc_kernelOrder orders
+    qc_orderInvocations = 128 ///< of such a workgroup
 };
 
 /// The uniform block of all kernels, in the layout std140.
@@ -44,6 +47,8 @@ typedef struct qcLayersParameters
     uint32_t groupsAt; ///< word of the clusters' boxes in qc_workNodeBoxes
     uint32_t partsOfTile, trianglePairCapacity, nodePairsOfGroup;
     double origin[3], unit;
+    uint32_t bucketCount, bucketShift, bucketsAt; ///< 0 buckets: pairs stay in no order
+    uint32_t unused;
 } qcLayersParameters;
 
 typedef struct qcLayersKernels

@@ -8,7 +8,8 @@ uniform usamplerBuffer nodes, links, tables;
 uniform samplerBuffer vertices;           // in the frame; see gl/layers/layers_gpu.h
 uniform usamplerBuffer clusterBoxes;
 
-// COUNTER_WORDS, then for the image by cell its first entry, for pairs by tile of nodes its box.
+// COUNTER_WORDS, then for the image by cell its first entry, for pairs by tile of nodes its box, and the number of pairs in
+// each bucket.
 layout(std430, binding = 0) buffer Lists { uint counters[]; };
 layout(std430, binding = STEP_BINDING) readonly buffer StepData { uint stepData[]; };
 
@@ -32,6 +33,9 @@ layout(std140, binding = 0) uniform Step
     uint nodePairsOfGroup; // that a workgroup of triangle_pairs takes at a time
     dvec3 origin;
     double unit;
+    uint bucketCount; // 0: the pairs of triangles stay in no order
+    uint bucketShift; // a bucket has the pairs whose first triangles agree but for so many bits
+    uint bucketsAt;   // word of Lists
 };
 
 const uint none = 0xffffffffu;
@@ -58,10 +62,11 @@ uint cellAt(uvec3 at)
 // Indices of the counters, each on a cache line of its own. finishedCounter gets the run's number from the last kernel:
 // counters read back without it are not those of this run.
 const uint entryCounter = 0u, nodePairCounter = 16u, trianglePairCounter = 32u, survivorCounter = 48u,
-           skippedCounter = 64u, stoppedCounter = 80u, overflowCounter = 96u, finishedCounter = 112u;
-// Words that the processor doesn't read: workgroups of the last kernel that are done; four times the run's number, from
+           skippedCounter = 64u, stoppedCounter = 80u, overflowCounter = 96u, finishedCounter = 112u,
+           unorderedCounter = 128u;
+// Words that the processor doesn't read: workgroups of the last kernel that are done; eight times the run's number, from
 // the first kernel, plus the kernels between it and the last that have run.
-const uint doneCounter = 113u, kernelCounter = 114u, kernelsBetween = 3u;
+const uint doneCounter = 113u, kernelCounter = 114u;
 
 // The last kernel's answer counts only if each kernel has run: see its `finish`.
 void countKernel()

@@ -4,10 +4,8 @@
 // Proof: plugin/docs/proofs/layers.md.
 layout(std430, binding = 1) readonly buffer Vertices { vec4 inVertices[]; };
 layout(std430, binding = SOURCE_BINDING) readonly buffer TrianglePairs { uvec2 inTrianglePairs[]; };
-// A copy of the counters, then triangles of the step.
-layout(std430, binding = 6) writeonly buffer Results { uvec2 outResults[]; };
-
-const uint resultsAt = COUNTER_WORDS / 2u;
+// Takes the place of the pairs of nodes, which no kernel reads any more: BUCKET_SIZE pairs a bucket.
+layout(std430, binding = 5) writeonly buffer Buckets { uvec2 outBuckets[]; };
 
 //  ---- separating axes -----------------------------------------------------------------------------------------------
 
@@ -135,8 +133,6 @@ bool mayMeet(uint s, uint t)
 
 //  ---- results -----------------------------------------------------------------------------------------------------------
 
-const uint sureBit = 0x80000000u; // of the first triangle's number
-
 // The step's number of the triangle at a slot.
 uint numberOf(uint slot)
 {
@@ -144,6 +140,22 @@ uint numberOf(uint slot)
 }
 
 shared uint keptCount, firstKept;
+
+// A pair as qcRelatedPair_Make makes it, lower word first. Disjoint: this is not known.
+uvec2 relatedPair(uvec2 slots)
+{
+    uint s = numberOf(slots.x), t = numberOf(slots.y), first = min(s, t), second = max(s, t);
+    return uvec2(second << 2 | (areIntersecting ? PENETRATING : 0u), first << 1 | second >> 30);
+}
+
+// Puts a pair into the bucket of its first triangle. False: that is full.
+bool addToBucket(uvec2 pair)
+{
+    uint bucket = pair.y >> bucketShift + 1u, place = atomicAdd(counters[bucketsAt + bucket], 1u);
+    if (place < BUCKET_SIZE)
+        outBuckets[bucket * BUCKET_SIZE + place] = pair;
+    return place < BUCKET_SIZE;
+}
 
 // One append for all of the workgroup's pairs that are kept.
 void testPairs(uint first, uint count, uint k)
@@ -159,29 +171,16 @@ void testPairs(uint first, uint count, uint k)
         firstKept = append(survivorCounter, keptCount);
     barrier();
     if (isKept)
-        outResults[resultsAt + min(firstKept + place, survivorCapacity)] =
-            uvec2(numberOf(pair.x) | (areIntersecting ? sureBit : 0u), numberOf(pair.y));
-    barrier();
-}
-
-shared bool isLast;
-
-// The last workgroup copies the counters for the processor. They are read by atomics: a cache may hold old ones.
-void finish(uint groups, uint k)
-{
-    memoryBarrier();
-    barrier();
-    if (k == 0u)
-        isLast = atomicAdd(counters[doneCounter], 1u) == groups - 1u;
-    barrier();
-    if (!isLast)
-        return;
-    for (uint i = k; i < resultsAt; i += LOCAL_SIZE)
     {
-        uvec2 words = uvec2(atomicAdd(counters[2u * i], 0u), atomicAdd(counters[2u * i + 1u], 0u));
-        bool allRan = atomicAdd(counters[kernelCounter], 0u) == 4u * runNumber + kernelsBetween;
-        outResults[i] = uvec2(2u * i == finishedCounter && allRan ? runNumber : words.x, words.y);
+        uvec2 related = relatedPair(pair);
+        bool isInBucket = bucketCount != 0u && addToBucket(related);
+        if (!isInBucket)
+        {
+            uint at = bucketCount != 0u ? atomicAdd(counters[unorderedCounter], 1u) : firstKept + place;
+            outResults[resultsAt + min(at, survivorCapacity)] = related;
+        }
     }
+    barrier();
 }
 
 void main()
@@ -193,5 +192,8 @@ void main()
         testPairs(first, min(count - first, LOCAL_SIZE), k);
     if (first < count)
         counters[stoppedCounter] = 1u;
-    finish(groups, k);
+    if (bucketCount != 0u)
+        countKernel();
+    else
+        finish(groups, k, 3u);
 }
