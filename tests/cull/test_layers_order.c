@@ -1,6 +1,8 @@
 // Where the step before had many pairs, the device of `layers` puts them in order, in buckets of neighbouring
 // triangles. Everything the result has is that of the sweep, also where buckets overflow.
 #define _POSIX_C_SOURCE 200809L
+#include "base/ordered_keys.h"
+#include "pipeline/scene_state.h"
 #include "support/devices.h"
 #include "support/scenes.h"
 #include "support/suite.h"
@@ -17,6 +19,15 @@ static bool IsOrdered(const qcProfile* profile)
         if (strcmp(profile->layerTimes[i].name, "order") == 0)
             return profile->layerTimes[i].threadMs >= 0.0;
     return false;
+}
+
+/// The number of sure pairs that the device put in order. The scene has others only if buckets overflow.
+static size_t CountOrdered(const qcScene* scene, bool all)
+{
+    const qcArray* sure = &scene->detector.triangleStage.candidates.classified;
+    size_t begin = qcOrderedKeys_FindBegin(sure->data, sure->count);
+    ck_assert(!all || begin == 0);
+    return sure->count - begin;
 }
 
 static void CheckSame(const void* expected, const void* found, size_t bytes, const char* what)
@@ -162,7 +173,10 @@ START_TEST(many_pairs_are_put_in_order_and_are_those_of_the_sweep)
             ck_assert_uint_gt(result->pairCount, qc_leastOrdered);
             ck_assert(IsOrdered(&result->profile) == (options != 0));
             // Some buckets overflow only if large triangles are the first of their pairs.
-            ck_assert((FindLargestBucket(result) > qc_bucketRoom) == (larges[l] == large_first));
+            bool overflows = FindLargestBucket(result) > qc_bucketRoom;
+            ck_assert(overflows == (larges[l] == large_first));
+            if (options != 0)
+                ck_assert_uint_gt(CountOrdered(twins.scenes[0], !overflows), result->pairCount / 2);
         }
         FreeTwins(&twins);
         qcSoup_Free(&soup);
@@ -180,8 +194,8 @@ START_TEST(steps_with_few_and_with_more_pairs_than_the_last_find_all)
     {
         if (!HasCompute(device))
             continue;
-        // A fiftieth, as many as are put in order, and so many more that the list must grow.
-        qcSoup few = qcSoup_MakeRandom(5, 2500, 0.01), many = qcSoup_MakeRandom(5, 2500, 0.12),
+        // Fewer than are put in order, as many, and so many more that the list must grow.
+        qcSoup few = qcSoup_MakeRandom(5, 2500, 0.08), many = qcSoup_MakeRandom(5, 2500, 0.12),
                crowd = qcSoup_MakeRandom(5, 2500, 0.4), other = qcSoup_MakeRandom(8, 100, 0.01);
         const qcSoup* const steps[] = {&many, &crowd, &crowd, &few, &few, &many, &few, &crowd, &many, &crowd};
         Twins twins = MakeTwins(device, &few, &other);
@@ -195,6 +209,7 @@ START_TEST(steps_with_few_and_with_more_pairs_than_the_last_find_all)
             ck_assert(IsOrdered(&result->profile) == wasLarge);
             wasLarge = steps[i] != &few;
             ck_assert((result->pairCount > qc_leastOrdered) == wasLarge);
+            ck_assert_uint_gt(result->pairCount, qc_leastOrdered / 4);
             reruns += wasLarge && i == 1 ? result->profile.reruns : 0;
         }
         ck_assert_uint_gt(reruns, 0); // of a step that puts its pairs in order
