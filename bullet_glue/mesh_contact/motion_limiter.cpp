@@ -121,13 +121,18 @@ void qcMotionLimiter::FindUnproven(const qcResult& result, bool pushes)
     }
 }
 
-/// The part of their own motions that the free objects of a pair make, the larger one.
+/// The part of its own motion that the free body of a pair makes, the larger one of two. Multibodies are cut where no
+/// body is left to cut.
 btScalar qcMotionLimiter::MadePart(const qcSweptPair& pair)
 {
-    btScalar made = 0;
+    btScalar ofBodies = 0, ofLinks = 0;
     for (const qcSweptObject* swept : {pair.first, pair.second})
-        made = swept->body != nullptr ? std::max(made, swept->fraction) : made;
-    return made;
+        if (swept->IsFree())
+        {
+            btScalar& made = swept->body != nullptr ? ofBodies : ofLinks;
+            made = std::max(made, swept->MadePart());
+        }
+    return ofBodies > 0 ? ofBodies : ofLinks;
 }
 
 /// Cuts the motions of a pair, relative to their island's, back to a part.
@@ -141,25 +146,34 @@ void qcMotionLimiter::Stop(const qcSweptPair& pair, btScalar part, btScalar dist
     // also where the scene's rounding differs.
     part =
         std::min(std::max(part / 2, part - distance / travel), made / 2 < s_minPart ? btScalar(0) : made * s_maxPart);
+    const bool cutsBodies = (pair.first->body != nullptr && pair.first->fraction > 0) ||
+                            (pair.second->body != nullptr && pair.second->fraction > 0);
     for (qcSweptObject* swept : {pair.first, pair.second})
         if (swept->body != nullptr)
             swept->fraction = std::min(swept->fraction, part);
+        else if (swept->multibody != nullptr && !cutsBodies)
+            swept->multibody->CutTo(part);
 }
 
 /// True if the common motion of the pair's island is none, so that its objects would be stopped in the air.
 bool qcMotionLimiter::IsStill(const qcSweptPair& pair) const
 {
     const qcSweptObject& free = pair.first->body != nullptr ? *pair.first : *pair.second;
+    if (free.body == nullptr)
+        return false;
     const qcSweptObject* carrier = m_islands.CarrierOf(free);
     return !m_islands.IsFree(free) && (carrier == nullptr || !carrier->moves);
 }
 
-/// Holds the islands of a pair. False: they are held already.
+/// Holds the islands of a pair, or where these are held its multibodies. False: those are held, too.
 bool qcMotionLimiter::Hold(const qcSweptPair& pair)
 {
     bool changes = false;
     for (const qcSweptObject* swept : {pair.first, pair.second})
         changes = (swept->body != nullptr && m_islands.Hold(*swept)) || changes;
+    const bool holdsLinks = !changes;
+    for (const qcSweptObject* swept : {pair.first, pair.second})
+        changes = (holdsLinks && swept->multibody != nullptr && swept->multibody->CutTo(0)) || changes;
     return changes;
 }
 
@@ -170,11 +184,13 @@ void qcMotionLimiter::Release(const qcSweptPair& pair)
     bool changes = Hold(pair);
     for (qcSweptObject* swept : {pair.first, pair.second})
     {
-        if (swept->body == nullptr)
+        if (!swept->IsFree())
             continue;
         // The last detection has not seen an island at its start that was held since.
-        changes = changes || swept->fraction > 0 || !qcAreSame(swept->end, swept->start) ||
-                  !qcAreSame(swept->end, swept->tested);
+        changes = changes || !qcAreSame(swept->end, swept->tested);
+        if (swept->body == nullptr)
+            continue;
+        changes = changes || swept->fraction > 0 || !qcAreSame(swept->end, swept->start);
         swept->fraction = 0;
     }
     if (changes)
@@ -221,11 +237,16 @@ void qcMotionLimiter::EndPlanes()
 /// Unites the islands of objects that are not proven apart.
 void qcMotionLimiter::JoinBlocked()
 {
+    auto join = [this](const qcSweptObject& a, const qcSweptObject& b)
+    {
+        if (a.body != nullptr || b.body != nullptr)
+            m_islands.Join(a, b);
+    };
     for (const qcSweptTriangles& triangles : m_unprovenTriangles)
         if (!IsExempt(*triangles.a.swept, *triangles.b.swept))
-            m_islands.Join(*triangles.a.swept, *triangles.b.swept);
+            join(*triangles.a.swept, *triangles.b.swept);
     for (const qcClosingPair& closing : ClosingPairs())
-        m_islands.Join(*closing.pair.first, *closing.pair.second);
+        join(*closing.pair.first, *closing.pair.second);
 }
 
 /// The first pair of triangles that meets, or their hulls, for each two objects that are not proven apart.
@@ -271,6 +292,7 @@ void qcMotionLimiter::Cut(int round)
             Hold(block.pair);
         m_cut.insert(numbers);
     }
+    m_objects.MoveMultiBodies();
     m_islands.Move();
 }
 
@@ -309,8 +331,11 @@ void qcMotionLimiter::Commit(qcSweptObject* swept, btScalar timeStep) const
 void qcMotionLimiter::CommitAll(btScalar timeStep)
 {
     for (qcSweptObject* swept : m_objects.Get())
+    {
         if (swept->pushes > 0 || swept->fraction < 1)
             Commit(swept, timeStep);
+        swept->isLimited = swept->isLimited || swept->MadePart() < 1;
+    }
     auto isStoppedAgain = [this](const qcSweptObject& a, const qcSweptObject& b)
     { return IsSwept(a) || IsSwept(b) || m_previouslyStopped.count(std::minmax(a.number, b.number)) > 0; };
     m_planes.RemoveApproaches(s_impulseSweeps, isStoppedAgain);
@@ -452,9 +477,17 @@ void qcMotionLimiter::SkipSettledPairs(const std::set<Numbers>& reported)
     m_pairs.erase(std::remove_if(m_pairs.begin(), m_pairs.end(), isSettled), m_pairs.end());
 }
 
-/// Detects the pairs that are not proven apart, and adds planes for them or, after `cuts` such rounds, cuts them.
-/// False: there are none.
-bool qcMotionLimiter::StopPairs(bool pushes, int cuts, std::set<Numbers>* reported)
+/// True if one of the triangles that are not proven apart belongs to a body that planes can push.
+bool qcMotionLimiter::CanPush() const
+{
+    return std::any_of(m_unprovenTriangles.begin(), m_unprovenTriangles.end(),
+                       [](const qcSweptTriangles& triangles)
+                       { return triangles.a.swept->body != nullptr || triangles.b.swept->body != nullptr; });
+}
+
+/// Detects the pairs that are not proven apart, and adds planes for them where `pushes`, unless they belong to
+/// multibodies alone. Otherwise, after `cuts` such rounds, it cuts them. False: there are none.
+bool qcMotionLimiter::StopPairs(bool* pushes, int cuts, std::set<Numbers>* reported)
 {
     if (m_pairs.empty() && !m_touching.AnyTouches())
         return false;
@@ -472,12 +505,13 @@ bool qcMotionLimiter::StopPairs(bool pushes, int cuts, std::set<Numbers>* report
     for (const qcClosingPair& closing : m_touching.Closing())
         reported->insert(qcNumbersOf(closing.pair));
     const bool anyNew = CollectMeetings(*result);
-    if (pushes && anyNew)
+    if (*pushes && anyNew)
         return true;
-    FindUnproven(*result, pushes);
-    if (m_unprovenTriangles.empty() && (pushes || ClosingPairs().empty()))
-        return pushes && m_touching.AnyTouches();
-    if (pushes)
+    FindUnproven(*result, *pushes);
+    if (m_unprovenTriangles.empty() && (*pushes || ClosingPairs().empty()))
+        return *pushes && m_touching.AnyTouches();
+    *pushes = *pushes && (CanPush() || m_touching.AnyTouches());
+    if (*pushes)
     {
         AddPlanes();
         return true;
@@ -508,8 +542,8 @@ qcStatus qcMotionLimiter::Certify()
             swept->certified = swept->end;
         SkipSeparatedPairs();
         const bool isClosing = !ClosingPairs().empty();
-        const bool pushes = cuts == 0 && round < (isClosing ? s_closingRounds : s_planeRounds);
-        if (!StopPairs(pushes, cuts, &reported))
+        bool pushes = cuts == 0 && round < (isClosing ? s_closingRounds : s_planeRounds);
+        if (!StopPairs(&pushes, cuts, &reported))
             return m_status;
         if (pushes)
             m_planes.Solve(round > 0 && isClosing ? s_closingSweeps : s_planeSweeps);
@@ -577,7 +611,7 @@ void qcMotionLimiter::LimitAgain(btScalar timeStep, const std::vector<const btCo
             swept->body = nullptr; // like a static one
     Run(timeStep, statistics);
     for (const qcSweptObject* swept : m_objects.Get())
-        if (swept->pushes > 0 || swept->fraction < 1)
+        if (swept->pushes > 0 || swept->MadePart() < 1)
             moved->push_back(swept->object);
     m_objects.RecordEnds();
     WriteStatistics(start, statistics);

@@ -112,7 +112,8 @@ class qcMotionLimiter
     bool IsSeparated(const qcSweptPair& pair, Touch* touch) const;
     void SkipSeparatedPairs();
     void SkipSettledPairs(const std::set<Numbers>& reported);
-    bool StopPairs(bool pushes, int cuts, std::set<Numbers>* reported);
+    bool CanPush() const;
+    bool StopPairs(bool* pushes, int cuts, std::set<Numbers>* reported);
     qcStatus Certify();
     void Commit(qcSweptObject* swept, btScalar timeStep) const;
     void CommitAll(btScalar timeStep);

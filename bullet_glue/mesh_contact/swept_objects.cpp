@@ -9,10 +9,12 @@
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 #include <LinearMath/btAabbUtil2.h>
 #include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
+#include <set>
 
 namespace
 {
@@ -246,11 +248,56 @@ void qcSweptObjects::FindFloors(qcSweptObject* swept) const
     }
 }
 
-/// Upper bound of the motion of a dynamic body against the meshes near it, in a step.
+/// The multibody of a link whose motion can be cut, or null.
+qcSweptMultiBody* qcSweptObjects::FindMultiBody(const btCollisionObject* object) const
+{
+    const btMultiBodyLinkCollider* link = m_multibodies.empty() ? nullptr : qcAsLink(object);
+    auto found = link != nullptr ? m_multibodies.find(link->m_multiBody) : m_multibodies.end();
+    return found != m_multibodies.end() && found->second->CanBeCut() ? found->second.get() : nullptr;
+}
+
+/// Reads the motions of the multibodies in a world with meshes.
+void qcSweptObjects::ReadMultiBodies(btScalar timeStep)
+{
+    btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
+    bool anyMesh = false;
+    for (int i = 0; i < objects.size() && !anyMesh; i++)
+        anyMesh = qcMayHoldMeshes(objects[i]->getCollisionShape());
+    for (int i = 0; anyMesh && i < objects.size(); i++)
+    {
+        const btMultiBodyLinkCollider* link = qcAsLink(objects[i]);
+        if (link == nullptr)
+            continue;
+        std::unique_ptr<qcSweptMultiBody>& entry = m_multibodies[link->m_multiBody];
+        if (entry == nullptr)
+            entry = std::make_unique<qcSweptMultiBody>(*link->m_multiBody);
+        if (entry->step != m_step + 1)
+            entry->ReadMotion(timeStep);
+        entry->step = m_step + 1;
+    }
+    for (auto entry = m_multibodies.begin(); entry != m_multibodies.end();)
+        entry = entry->second->step != m_step + 1 ? m_multibodies.erase(entry) : std::next(entry);
+}
+
+void qcSweptObjects::MoveMultiBodies()
+{
+    std::set<const qcSweptMultiBody*> moved;
+    for (auto& [body, multibody] : m_multibodies)
+        if (multibody->Move())
+            moved.insert(multibody.get());
+    for (qcSweptObject* swept : m_sorted)
+        if (moved.count(swept->multibody) > 0)
+            swept->end = swept->object->getWorldTransform();
+}
+
+/// Upper bound of the motion of a dynamic body or a link against the meshes near it, in a step.
 btScalar qcSweptObjects::TravelNear(const btCollisionObject* object) const
 {
-    const btScalar own =
-        qcRigidMotion(object).MaxSpeed(object->getCollisionShape()->getAngularMotionDisc()) * m_timeStep;
+    const btScalar radius = object->getCollisionShape()->getAngularMotionDisc();
+    const qcSweptMultiBody* multibody = FindMultiBody(object);
+    const btScalar own = multibody != nullptr ? qcDisplacementBound(multibody->StartOf(qcAsLink(object)->m_link),
+                                                                    object->getWorldTransform(), radius)
+                                              : qcRigidMotion(object).MaxSpeed(radius) * m_timeStep;
     btScalar largest = 0;
     btVector3 lower, upper;
     object->getCollisionShape()->getAabb(object->getWorldTransform(), lower, upper);
@@ -261,12 +308,13 @@ btScalar qcSweptObjects::TravelNear(const btCollisionObject* object) const
     return own + largest;
 }
 
-/// True if the convex shapes of a dynamic body may pass a mesh in the step, or might have lately.
+/// True if the convex shapes of a dynamic body or a link may pass a mesh in the step, or might have lately.
 bool qcSweptObjects::TakesCores(const btCollisionObject* object)
 {
     const btCollisionShape* shape = object->getCollisionShape();
-    if (!(shape->isConvex() || shape->isCompound()) || DynamicBody(const_cast<btCollisionObject*>(object)) == nullptr ||
-        !object->hasContactResponse())
+    const bool isMoved =
+        DynamicBody(const_cast<btCollisionObject*>(object)) != nullptr || FindMultiBody(object) != nullptr;
+    if (!(shape->isConvex() || shape->isCompound()) || !isMoved || !object->hasContactResponse())
         return false;
     const qcSweptObject* known = m_coreCount > 0 ? Find(object) : nullptr;
     if (known != nullptr && known->coreSteps > 0)
@@ -286,6 +334,9 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
     qcSweptObject& swept = *Add(object);
     swept.step = m_step;
     swept.body = DynamicBody(object);
+    swept.multibody = FindMultiBody(object);
+    if (swept.multibody != nullptr)
+        swept.start = swept.multibody->StartOf(qcAsLink(object)->m_link);
     ReadShape(&swept, m_settings.gimpact);
     ReadTriangles(&swept, scene);
     swept.hull = swept.Deforms() ? nullptr : m_axes.FindMesh(object);
@@ -313,6 +364,13 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
 }
 
 bool qcSweptObjects::ReadTargets(qcScene* scene)
+{
+    for (auto& [body, multibody] : m_multibodies)
+        multibody->ReadTarget();
+    return ReadObjects(scene);
+}
+
+bool qcSweptObjects::ReadObjects(qcScene* scene)
 {
     m_step++;
     FindPlanes();
@@ -393,7 +451,8 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
     EndDeformations();
     m_timeStep = timeStep;
     m_cores.BeginStep();
-    ReadTargets(scene);
+    ReadMultiBodies(timeStep);
+    ReadObjects(scene);
     for (qcSweptObject* swept : m_sorted)
     {
         // One that the application has given finite values within the step starts there.
@@ -412,7 +471,7 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
     for (qcSweptObject* swept : m_sorted)
     {
         btVector3 motion = swept->target.getOrigin() - swept->start.getOrigin();
-        if (swept->body == nullptr && !qcAreSame(swept->start, swept->target) &&
+        if (!swept->IsFree() && !qcAreSame(swept->start, swept->target) &&
             (shift.IsOf(swept->start, swept->target) ||
              !qcIsMotion(swept->object, swept->start, swept->target, swept->motion, timeStep)))
             swept->start = swept->target;
@@ -443,7 +502,9 @@ bool qcSweptObjects::IsLeftOut(const qcSweptObject& a, const qcSweptObject& b) c
 bool qcSweptObjects::Collide(const qcSweptObject& a, const qcSweptObject& b) const
 {
     btCollisionWorld* world = m_settings.world;
-    if ((a.body == nullptr && b.body == nullptr) || !a.hasMesh || !b.hasMesh || !(a.isOurs || b.isOurs))
+    if (!(a.IsFree() || b.IsFree()) || !a.hasMesh || !b.hasMesh || !(a.isOurs || b.isOurs))
+        return false;
+    if (a.multibody != nullptr && a.multibody == b.multibody)
         return false;
     // Bullet's contact keeps apart what is slow.
     if ((a.cores != nullptr || b.cores != nullptr) &&
@@ -483,6 +544,8 @@ void qcSweptObjects::FindPairs(std::vector<qcSweptPair>* pairs)
 
 void qcSweptObjects::RecordEnds()
 {
+    for (auto& [body, multibody] : m_multibodies)
+        multibody->RecordEnd();
     for (qcSweptObject* swept : m_sorted)
     {
         swept->next = swept->last = swept->object->getWorldTransform();

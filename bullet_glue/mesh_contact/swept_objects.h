@@ -6,6 +6,7 @@
 #include "mesh_contact/axis_cache.h"
 #include "mesh_contact/batch_scene.h"
 #include "mesh_contact/swept_mesh.h"
+#include "mesh_contact/swept_multibody.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
@@ -25,23 +26,24 @@ struct qcSweptFloor
 struct qcSweptObject
 {
     btCollisionObject* object = nullptr;
-    btRigidBody* body = nullptr;          ///< null: the application alone moves the object, and its motion is not cut
-    uint32_t number = 0;                  ///< in the order in which objects entered the world; see qcIdCounter
-    uint32_t index = 0;                   ///< in the present list of objects
-    uint64_t step = 0;                    ///< the last update that found the object in the world
-    bool hasMesh = false;                 ///< one of its shapes consists of triangles; planes do not
-    bool isOurs = false;                  ///< contact of one of its meshes with any other mesh is computed here
-    qcConvexCores* cores = nullptr;       ///< its convex shapes are swept as these; null: they are not
-    int coreSteps = 0;                    ///< for how long they are swept yet
-    btScalar halfWidth = BT_LARGE_FLOAT;  ///< the least of its cores
-    btScalar travel = 0;                  ///< upper bound of its points' motion from start to target
-    const qcSupportMesh* hull = nullptr;  ///< its mesh or core, if it consists of one small one
-    bool isNew = true;                    ///< in its first step
-    bool wasActive = false;               ///< a dynamic body that did not sleep when contact was searched
-    bool wasFinite = true;                ///< when the step started
-    bool moves = false;                   ///< its end is not its start
-    const qcBatchObject* known = nullptr; ///< the object in the scene of contact, or null
-    bool isLookedUp = false;              ///< `known` is of this step
+    btRigidBody* body = nullptr;           ///< null: no rigid body that Bullet moves
+    qcSweptMultiBody* multibody = nullptr; ///< of a link whose motion can be cut
+    uint32_t number = 0;                   ///< in the order in which objects entered the world; see qcIdCounter
+    uint32_t index = 0;                    ///< in the present list of objects
+    uint64_t step = 0;                     ///< the last update that found the object in the world
+    bool hasMesh = false;                  ///< one of its shapes consists of triangles; planes do not
+    bool isOurs = false;                   ///< contact of one of its meshes with any other mesh is computed here
+    qcConvexCores* cores = nullptr;        ///< its convex shapes are swept as these; null: they are not
+    int coreSteps = 0;                     ///< for how long they are swept yet
+    btScalar halfWidth = BT_LARGE_FLOAT;   ///< the least of its cores
+    btScalar travel = 0;                   ///< upper bound of its points' motion from start to target
+    const qcSupportMesh* hull = nullptr;   ///< its mesh or core, if it consists of one small one
+    bool isNew = true;                     ///< in its first step
+    bool wasActive = false;                ///< a dynamic body that did not sleep when contact was searched
+    bool wasFinite = true;                 ///< when the step started
+    bool moves = false;                    ///< its end is not its start
+    const qcBatchObject* known = nullptr;  ///< the object in the scene of contact, or null
+    bool isLookedUp = false;               ///< `known` is of this step
     btTransform start, target; ///< before and after the step; the target is Bullet's, or where planes have pushed it
     btTransform carried;       ///< the start, moved by the common motion of its island
     btTransform end;           ///< after the step, as the limiter has it so far
@@ -51,7 +53,7 @@ struct qcSweptObject
     btTransform next;          ///< where the next step starts
     btTransform last;          ///< where the previous step ended
     uint32_t pushes = 0;       ///< number of times that planes have moved the end
-    btScalar fraction = 1;     ///< of the motion from `carried` to the target that the object makes
+    btScalar fraction = 1;     ///< of the motion from `carried` to the target that the body makes
     btVector3 motion{0, 0, 0}; ///< of the origin in the previous step, for objects that Bullet does not move
     btScalar lost = 0;         ///< part of its own motion that the object has not made in this step
     bool isLimited = false;    ///< it does not end this step where Bullet had moved it
@@ -61,12 +63,22 @@ struct qcSweptObject
     std::vector<qcSweptMesh> meshes;
     uint64_t revision = 0; ///< of the triangles of an object that Bullet does not move, in the last step; 0: none
 
-    /// The transform after this part of the motion; `carried` and target exactly for 0 and 1.
+    /// False: the application alone moves the object, and its motion is not cut.
+    bool IsFree() const
+    {
+        return body != nullptr || multibody != nullptr;
+    }
+    /// The part of its motion that the object makes.
+    btScalar MadePart() const
+    {
+        return multibody != nullptr ? multibody->Fraction() : fraction;
+    }
+    /// The transform after this part of the motion; `carried` and target exactly for 0 and 1. For links about.
     btTransform At(btScalar part) const;
     /// The end if the object makes no more than this part. Objects that don't move freely make all of their motion.
     btTransform EndAt(btScalar part) const
     {
-        return body != nullptr && part < fraction ? At(part) : end;
+        return IsFree() && part < MadePart() ? At(part) : end;
     }
     /// Sets `travel`.
     void FindTravel();
@@ -132,6 +144,8 @@ class qcSweptObjects
     /// removed from the scene.
     /// True if an object has moved.
     bool ReadTargets(qcScene* scene);
+    /// Moves multibodies whose motion was cut since the last call, and the ends of their links.
+    void MoveMultiBodies();
     /// The pairs that collide and whose boxes overlap; at least one of the two moves, and one is not isUnmoved.
     void FindPairs(std::vector<qcSweptPair>* pairs);
     /// The next step starts at the present transforms.
@@ -171,6 +185,9 @@ class qcSweptObjects
     btScalar TravelNear(const btCollisionObject* object) const;
     bool TakesCores(const btCollisionObject* object);
     qcSweptObject& ReadTarget(btCollisionObject* object, bool takesCores, qcScene* scene);
+    bool ReadObjects(qcScene* scene);
+    void ReadMultiBodies(btScalar timeStep);
+    qcSweptMultiBody* FindMultiBody(const btCollisionObject* object) const;
     void FindPlanes();
     void FindFloors(qcSweptObject* swept) const;
     bool IsLeftOut(const qcSweptObject& a, const qcSweptObject& b) const;
@@ -185,6 +202,7 @@ class qcSweptObjects
     size_t m_coreCount = 0; ///< objects whose convex shapes are swept
     std::unordered_map<qcObjectKey, std::unique_ptr<qcSweptObject>, qcObjectKeyHash> m_objects;
     std::vector<qcSweptObject*> m_sorted;
+    std::unordered_map<const btMultiBody*, std::unique_ptr<qcSweptMultiBody>> m_multibodies;
     std::unordered_map<const btCollisionShape*, uint64_t> m_changes; ///< calls of InvalidateShape
     std::vector<const btCollisionObject*> m_planes;                  ///< static ones
     std::vector<qcSweptObject*> m_byLower;                           ///< along the first axis

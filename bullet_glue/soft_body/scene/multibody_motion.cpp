@@ -5,8 +5,6 @@
 // link moves by J M^-1 J' of a push on it. Bullet has M^-1 from the step's beginning.
 #include "soft_body/scene/multibody_motion.h"
 
-#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -36,32 +34,7 @@ bool IsZero(const std::vector<btScalar>& coordinates)
 {
     return std::all_of(coordinates.begin(), coordinates.end(), [](btScalar x) { return x == 0; });
 }
-
-/// Moves the colliders of all links to where the joints are.
-void MoveColliders(btMultiBody* body)
-{
-    btAlignedObjectArray<btQuaternion> rotations;
-    btAlignedObjectArray<btVector3> origins;
-    body->forwardKinematics(rotations, origins);
-    body->updateCollisionObjectWorldTransforms(rotations, origins);
-}
 } // namespace
-
-qcJointPositions::qcJointPositions(const btMultiBody& body)
-    : m_basePosition(body.getBasePos()), m_baseRotation(body.getWorldToBaseRot()), m_joints(size_t(body.getNumLinks()))
-{
-    for (int i = 0; i < body.getNumLinks(); i++)
-        std::copy_n(body.getJointPosMultiDof(i), body.getLink(i).m_posVarCount, m_joints[size_t(i)].begin());
-}
-
-void qcJointPositions::Restore(btMultiBody* body) const
-{
-    body->setBasePos(m_basePosition);
-    body->setWorldToBaseRot(m_baseRotation);
-    for (int i = 0; i < body->getNumLinks(); i++)
-        body->setJointPosMultiDof(i, m_joints[size_t(i)].data());
-    MoveColliders(body);
-}
 
 qcMultiBodyMotion::qcMultiBodyMotion(btMultiBody& body, const qcJointPositions* start)
     : m_body(body), m_pushed(size_t(6 + body.getNumDofs()), btScalar(0)), m_moved(m_pushed), m_start(start),
@@ -189,7 +162,7 @@ bool qcMultiBodyMotion::Commit()
     SetVelocities(m_pushed);
     m_body.stepPositionsMultiDof(1);
     SetVelocities(velocities);
-    MoveColliders(&m_body);
+    qcMoveColliders(&m_body);
     for (size_t i = 0; i < m_pushed.size(); i++)
         m_moved[i] += m_pushed[i];
     ForgetPushes();

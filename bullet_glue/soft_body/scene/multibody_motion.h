@@ -6,27 +6,12 @@
 #ifndef QC_GLUE_SOFT_BODY_SCENE_MULTIBODY_MOTION_H
 #define QC_GLUE_SOFT_BODY_SCENE_MULTIBODY_MOTION_H
 
+#include "common/multibody_joints.h"
 #include "common/rigid_displacement.h"
-
-#include <BulletDynamics/Featherstone/btMultiBody.h>
 
 #include <array>
 #include <cstddef>
 #include <vector>
-
-/// Where the base and the joints of a multibody are.
-class qcJointPositions
-{
-  public:
-    explicit qcJointPositions(const btMultiBody& body);
-    /// Moves them back, and all colliders.
-    void Restore(btMultiBody* body) const;
-
-  private:
-    btVector3 m_basePosition;
-    btQuaternion m_baseRotation;
-    std::vector<std::array<btScalar, 7>> m_joints;
-};
 
 class qcMultiBodyMotion
 {

@@ -4,17 +4,6 @@
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 #include <LinearMath/btAabbUtil2.h>
 
-const btMultiBodyLinkCollider* qcAsLink(const btCollisionObject* object)
-{
-    const btMultiBodyLinkCollider* link = btMultiBodyLinkCollider::upcast(object);
-    const btMultiBody* multibody = link != nullptr ? link->m_multiBody : nullptr;
-    if (multibody == nullptr)
-        return nullptr;
-    return (link->m_link < 0 ? multibody->getBaseCollider() : multibody->getLinkCollider(link->m_link)) == link
-               ? link
-               : nullptr;
-}
-
 /// The displacement if `push` acts at `arm` from the centre; none if that leads a guided object elsewhere.
 qcRigidDisplacement qcSceneRigid::DisplacementBy(const btVector3& arm, const btVector3& push) const
 {

@@ -10,11 +10,6 @@
 #include <algorithm>
 #include <vector>
 
-class btMultiBodyLinkCollider;
-
-/// The object as a link of its multibody. Null: it is none, or the multibody does not move it.
-const btMultiBodyLinkCollider* qcAsLink(const btCollisionObject* object);
-
 /// An object with meshes.
 struct qcSceneRigid
 {

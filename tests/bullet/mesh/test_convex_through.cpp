@@ -1,6 +1,7 @@
 // Bullet's convex shapes that are fast pass no qcMeshShape: the limits stop their cores.
 #include "mesh_contact/convex_cores.h"
 
+#include "bullet/mesh/core_model.h"
 #include "bullet/mesh/mesh_world.h"
 #include "bullet/mesh/motion_oracle.h"
 
@@ -63,30 +64,6 @@ std::unique_ptr<btCollisionShape> MakeConvex(int kind)
     return compound;
 }
 
-/// The cores of a shape as one model.
-qcModel CoreModel(const btCollisionShape* shape)
-{
-    qcConvexCores cores;
-    qcModel model;
-    auto add = [&](const qcConvexCore& core, const btTransform& place)
-    {
-        ck_assert_double_gt(double(core.halfWidth), 0);
-        qcModel part;
-        for (uint32_t i = 0; i < core.mesh->getVertexCount(); i++)
-        {
-            const btVector3& vertex = core.mesh->getVertices()[i];
-            part.Add(double(vertex.x()), double(vertex.y()), double(vertex.z()));
-        }
-        part.indices.assign(core.mesh->getIndices(),
-                            core.mesh->getIndices() + 3 * size_t(core.mesh->getTriangleCount()));
-        part.Move(place);
-        model.Append(part);
-    };
-    cores.ForEachCore(shape, add);
-    ck_assert(!model.indices.empty());
-    return model;
-}
-
 qcModel WallModel()
 {
     return qcBoxModel(btVector3(5, 5, btScalar(0.005)), 6);
@@ -98,7 +75,7 @@ START_TEST(a_core_is_inside_its_shape)
     if (shape->isCompound())
         return;
     const auto& convex = static_cast<const btConvexShape&>(*shape);
-    const qcModel core = CoreModel(shape.get());
+    const qcModel core = qcCoreModel(shape.get());
     qcRandomNumbers random(1);
     for (int i = 0; i < 500; i++)
     {
@@ -136,7 +113,7 @@ END_TEST
 START_TEST(fast_convex_shapes_pass_no_mesh)
 {
     std::unique_ptr<btCollisionShape> shape = MakeConvex(_i);
-    const qcModel core = CoreModel(shape.get()), wall = WallModel(), floor = qcFloorModel(30, 10);
+    const qcModel core = qcCoreModel(shape.get()), wall = WallModel(), floor = qcFloorModel(30, 10);
     int limited = 0;
     for (unsigned start = 1; start <= s_starts; start++)
         for (btScalar speed : {btScalar(10), btScalar(60), btScalar(300)})
@@ -222,7 +199,7 @@ END_TEST
 START_TEST(a_fast_kinematic_mesh_takes_along_a_convex_shape)
 {
     std::unique_ptr<btCollisionShape> shape = MakeConvex(_i);
-    const qcModel core = CoreModel(shape.get()), wall = WallModel();
+    const qcModel core = qcCoreModel(shape.get()), wall = WallModel();
     qcMeshWorld world;
     world.world.setGravity(btVector3(0, 0, 0));
     btRigidBody *swept = world.Add(shape.get(), 1, btVector3(0, 0, 0)),

@@ -2,6 +2,7 @@
 #ifndef QC_TESTS_BULLET_SOFT_BODY_MULTIBODY_WORLD_H
 #define QC_TESTS_BULLET_SOFT_BODY_MULTIBODY_WORLD_H
 
+#include "bullet/moving_links.h"
 #include "bullet/soft_body/deformable_test_world.h"
 
 #include <BulletDynamics/Featherstone/btMultiBody.h>
@@ -246,21 +247,16 @@ class qcRobot
             oracle.Add([model, collider] { return qcWorldMeshOf(model, collider->getWorldTransform()); }, 1);
         }
     }
-    /// Sums over the links: Bullet has velocities in their frames.
     btVector3 Momentum() const
     {
         btVector3 sum(0, 0, 0);
-        ForEachLink([&sum](btScalar mass, const btVector3&, const btTransform& at, const btVector3&, const btVector3& v)
-                    { sum += at.getBasis() * v * mass; });
+        qcForEachLink(m_body,
+                      [&sum](const qcMovingLink& link) { sum += link.place.getBasis() * link.velocity * link.mass; });
         return sum;
     }
     btScalar Energy(const btVector3& gravity) const
     {
-        btScalar sum = 0;
-        ForEachLink(
-            [&](btScalar mass, const btVector3& inertia, const btTransform& at, const btVector3& w, const btVector3& v)
-            { sum += (v.length2() * mass + (inertia * w).dot(w)) / 2 - gravity.dot(at.getOrigin()) * mass; });
-        return sum;
+        return qcEnergyOf(m_body, gravity);
     }
 
   private:
@@ -276,18 +272,6 @@ class qcRobot
             collider.setCollisionShape(&shape);
         }
     };
-
-    template <typename Function> void ForEachLink(Function function) const
-    {
-        std::vector<btVector3> turns(size_t(m_body.getNumLinks()) + 1), velocities(turns);
-        m_body.compTreeLinkVelocities(turns.data(), velocities.data());
-        if (!m_body.hasFixedBase())
-            function(m_body.getBaseMass(), m_body.getBaseInertia(), m_body.getBaseWorldTransform(), turns[0],
-                     velocities[0]);
-        for (int i = 0; i < m_body.getNumLinks(); i++)
-            function(m_body.getLinkMass(i), m_body.getLinkInertia(i), m_body.getLink(i).m_cachedWorldTransform,
-                     turns[size_t(i) + 1], velocities[size_t(i) + 1]);
-    }
 
     btMultiBodyDynamicsWorld& m_world;
     btMultiBody m_body;
