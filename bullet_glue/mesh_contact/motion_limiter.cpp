@@ -336,6 +336,7 @@ void qcMotionLimiter::CommitAll(btScalar timeStep)
             Commit(swept, timeStep);
         swept->isLimited = swept->isLimited || swept->MadePart() < 1;
     }
+    m_objects.UpdateMultiBodies();
     auto isStoppedAgain = [this](const qcSweptObject& a, const qcSweptObject& b)
     { return IsSwept(a) || IsSwept(b) || m_previouslyStopped.count(std::minmax(a.number, b.number)) > 0; };
     m_planes.RemoveApproaches(s_impulseSweeps, isStoppedAgain);

@@ -39,6 +39,48 @@ btScalar LargestDisplacement(const btMultiBody& body, const std::vector<btTransf
     return largest;
 }
 
+/// The sum of masses times places.
+btVector3 MomentOf(const btMultiBody& body)
+{
+    btVector3 sum = body.hasFixedBase() ? btVector3(0, 0, 0) : body.getBaseMass() * body.getBasePos();
+    for (int i = 0; i < body.getNumLinks(); i++)
+        sum += body.getLinkMass(i) * body.localPosToWorld(i, btVector3(0, 0, 0));
+    return sum;
+}
+
+btScalar KineticEnergyOf(const btMultiBody& body)
+{
+    std::vector<btVector3> turns(size_t(body.getNumLinks()) + 1), velocities(turns);
+    body.compTreeLinkVelocities(turns.data(), velocities.data());
+    auto energyOf = [](btScalar mass, const btVector3& inertia, const btVector3& turn, const btVector3& velocity)
+    { return (velocity.length2() * mass + (inertia * turn).dot(turn)) / 2; };
+    btScalar sum = body.hasFixedBase() ? btScalar(0)
+                                       : energyOf(body.getBaseMass(), body.getBaseInertia(), turns[0], velocities[0]);
+    for (int i = 0; i < body.getNumLinks(); i++)
+        sum += energyOf(body.getLinkMass(i), body.getLinkInertia(i), turns[size_t(i) + 1], velocities[size_t(i) + 1]);
+    return sum;
+}
+
+/// Of what Bullet moves.
+void ScaleVelocities(btMultiBody* body, btScalar factor)
+{
+    if (!body->isBaseStaticOrKinematic())
+    {
+        body->setBaseVel(body->getBaseVel() * factor);
+        body->setBaseOmega(body->getBaseOmega() * factor);
+    }
+    for (int i = 0; i < body->getNumLinks(); i++)
+    {
+        const int count = body->getLink(i).m_dofCount;
+        std::array<btScalar, 6> scaled{};
+        if (count == 0 || body->isLinkStaticOrKinematic(i))
+            continue;
+        for (int k = 0; k < count; k++)
+            scaled[size_t(k)] = body->getJointVelMultiDof(i)[k] * factor;
+        body->setJointVelMultiDof(i, scaled.data());
+    }
+}
+
 bool AreAllSame(const std::vector<btTransform>& a, const std::vector<btTransform>& b)
 {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(),
@@ -84,6 +126,7 @@ void qcSweptMultiBody::ReadTarget()
 {
     m_target = qcJointPositions(m_body);
     m_targets = ReadColliders();
+    m_targetMoment = MomentOf(m_body);
     m_fraction = 1;
     m_isMoved = true;
 }
@@ -112,21 +155,9 @@ bool qcSweptMultiBody::Move()
     return true;
 }
 
-void qcSweptMultiBody::Damp(btScalar part)
+void qcSweptMultiBody::UpdateVelocities(const btVector3& gravity)
 {
-    if (!m_body.isBaseStaticOrKinematic())
-    {
-        m_body.setBaseVel(m_body.getBaseVel() * part);
-        m_body.setBaseOmega(m_body.getBaseOmega() * part);
-    }
-    for (int i = 0; i < m_body.getNumLinks(); i++)
-    {
-        const btMultibodyLink& link = m_body.getLink(i);
-        if (link.m_dofCount == 0 || m_body.isLinkStaticOrKinematic(i))
-            continue;
-        std::array<btScalar, 6> velocities{};
-        std::transform(m_body.getJointVelMultiDof(i), m_body.getJointVelMultiDof(i) + link.m_dofCount,
-                       velocities.begin(), [part](btScalar x) { return x * part; });
-        m_body.setJointVelMultiDof(i, velocities.data());
-    }
+    const btScalar lost = gravity.dot(m_targetMoment - MomentOf(m_body)), energy = KineticEnergyOf(m_body);
+    if (lost > 0 && energy > 0)
+        ScaleVelocities(&m_body, btSqrt(std::max(1 - lost / energy, btScalar(0))));
 }

@@ -39,8 +39,9 @@ class qcSweptMultiBody
     bool CutTo(btScalar part);
     /// Moves the joints and all colliders to where that part ends. False: they are there.
     bool Move();
-    /// Slows it down to a part of its velocities.
-    void Damp(btScalar part);
+    /// Slows it down by what gravity has given it for the part of a fall that it doesn't make, so that it gains no
+    /// energy.
+    void UpdateVelocities(const btVector3& gravity);
 
     const btMultiBody& Body() const
     {
@@ -55,6 +56,7 @@ class qcSweptMultiBody
     btMultiBody& m_body;
     qcJointPositions m_start, m_target, m_recorded;
     std::vector<btTransform> m_starts, m_targets, m_records; ///< of the colliders, the base first
+    btVector3 m_targetMoment{0, 0, 0};                       ///< sum of masses times places, at the target
     bool m_hasStart = false, m_isMoved = true;
     btScalar m_fraction = 1;
 };

@@ -9,6 +9,7 @@
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+#include <BulletDynamics/Dynamics/btDynamicsWorld.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 #include <LinearMath/btAabbUtil2.h>
 #include <LinearMath/btTransformUtil.h>
@@ -288,6 +289,14 @@ void qcSweptObjects::MoveMultiBodies()
     for (qcSweptObject* swept : m_sorted)
         if (moved.count(swept->multibody) > 0)
             swept->end = swept->object->getWorldTransform();
+}
+
+void qcSweptObjects::UpdateMultiBodies() const
+{
+    const auto* dynamics = dynamic_cast<const btDynamicsWorld*>(m_settings.world);
+    for (const auto& [body, multibody] : m_multibodies)
+        if (multibody->Fraction() < 1 && dynamics != nullptr)
+            multibody->UpdateVelocities(dynamics->getGravity());
 }
 
 /// Upper bound of the motion of a dynamic body or a link against the meshes near it, in a step.

@@ -146,6 +146,8 @@ class qcSweptObjects
     bool ReadTargets(qcScene* scene);
     /// Moves multibodies whose motion was cut since the last call, and the ends of their links.
     void MoveMultiBodies();
+    /// Adapts the velocities of multibodies whose motion was cut.
+    void UpdateMultiBodies() const;
     /// The pairs that collide and whose boxes overlap; at least one of the two moves, and one is not isUnmoved.
     void FindPairs(std::vector<qcSweptPair>* pairs);
     /// The next step starts at the present transforms.
