@@ -5,6 +5,8 @@
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
+#include <algorithm>
+
 /// A rotation vector, and a translation of the centre.
 struct qcRigidDisplacement
 {
@@ -16,6 +18,22 @@ struct qcRigidDisplacement
         return linear + angular.cross(arm);
     }
 };
+
+/// The largest rotation by one displacement, in radians: it is linear in the push.
+constexpr btScalar qcMaxRotation = btScalar(0.25);
+
+/// A transform moved by a displacement.
+inline btTransform qcDisplaced(const btTransform& from, const qcRigidDisplacement& by)
+{
+    btTransform to(from.getBasis(), from.getOrigin() + by.linear);
+    const btScalar angle = by.angular.length();
+    if (angle > SIMD_EPSILON)
+    {
+        const btQuaternion rotation(by.angular / angle, std::min(angle, qcMaxRotation));
+        to.setRotation((rotation * from.getRotation()).normalized());
+    }
+    return to;
+}
 
 /// The displacement of a dynamic body if `push`, an impulse times the time step, acts at `arm` from its centre.
 inline qcRigidDisplacement qcDisplacementBy(const btRigidBody& body, const btVector3& arm, const btVector3& push)

@@ -52,7 +52,7 @@ void TurnSpin(const qcSweptObject& swept)
 /// True if the application moves the object.
 bool IsSwept(const qcSweptObject& swept)
 {
-    return swept.body == nullptr && swept.moves;
+    return !swept.IsFree() && swept.moves;
 }
 } // namespace
 
@@ -332,13 +332,18 @@ void qcMotionLimiter::CommitAll(btScalar timeStep)
 {
     for (qcSweptObject* swept : m_objects.Get())
     {
-        if (swept->pushes > 0 || swept->fraction < 1)
+        if (swept->body != nullptr && (swept->pushes > 0 || swept->fraction < 1))
             Commit(swept, timeStep);
-        swept->isLimited = swept->isLimited || swept->MadePart() < 1;
+        else if (swept->multibody != nullptr && (swept->pushes > 0 || swept->MadePart() < 1))
+            swept->isLimited = true;
     }
     m_objects.UpdateMultiBodies();
     auto isStoppedAgain = [this](const qcSweptObject& a, const qcSweptObject& b)
-    { return IsSwept(a) || IsSwept(b) || m_previouslyStopped.count(std::minmax(a.number, b.number)) > 0; };
+    {
+        const Numbers numbers = std::minmax(a.number, b.number);
+        return IsSwept(a) || IsSwept(b) || m_previouslyStopped.count(numbers) > 0 ||
+               ((a.multibody != nullptr || b.multibody != nullptr) && m_previouslyCut.count(numbers) > 0);
+    };
     m_planes.RemoveApproaches(s_impulseSweeps, isStoppedAgain);
     std::set<uint32_t> cutAgain;
     for (const Numbers& numbers : m_cut)
@@ -478,16 +483,16 @@ void qcMotionLimiter::SkipSettledPairs(const std::set<Numbers>& reported)
     m_pairs.erase(std::remove_if(m_pairs.begin(), m_pairs.end(), isSettled), m_pairs.end());
 }
 
-/// True if one of the triangles that are not proven apart belongs to a body that planes can push.
+/// True if one of the triangles that are not proven apart belongs to an object that planes can push.
 bool qcMotionLimiter::CanPush() const
 {
     return std::any_of(m_unprovenTriangles.begin(), m_unprovenTriangles.end(),
                        [](const qcSweptTriangles& triangles)
-                       { return triangles.a.swept->body != nullptr || triangles.b.swept->body != nullptr; });
+                       { return triangles.a.swept->CanPush() || triangles.b.swept->CanPush(); });
 }
 
-/// Detects the pairs that are not proven apart, and adds planes for them where `pushes`, unless they belong to
-/// multibodies alone. Otherwise, after `cuts` such rounds, it cuts them. False: there are none.
+/// Detects the pairs that are not proven apart, and adds planes for them where `pushes`. Otherwise, after `cuts` such
+/// rounds, or where planes can push none, it cuts them, and sets `pushes` to false. False: there are none.
 bool qcMotionLimiter::StopPairs(bool* pushes, int cuts, std::set<Numbers>* reported)
 {
     if (m_pairs.empty() && !m_touching.AnyTouches())
@@ -547,7 +552,10 @@ qcStatus qcMotionLimiter::Certify()
         if (!StopPairs(&pushes, cuts, &reported))
             return m_status;
         if (pushes)
+        {
             m_planes.Solve(round > 0 && isClosing ? s_closingSweeps : s_planeSweeps);
+            m_objects.CommitMultiBodies();
+        }
         else
             cuts++;
     }

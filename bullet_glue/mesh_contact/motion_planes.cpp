@@ -11,8 +11,6 @@ namespace
 constexpr btScalar s_certifiable = btScalar(1e-13);
 // Relative rounding of a stored corner: of the transform's rotation, the product and the sum.
 constexpr btScalar s_rounding = 16 * SIMD_EPSILON;
-// The largest rotation by one push, in radians: a push is linear in it.
-constexpr btScalar s_maxRotation = btScalar(0.25);
 
 /// The corner that is furthest against the direction.
 struct Extreme
@@ -52,11 +50,12 @@ struct Yield
     Yield(const qcSweptObject& swept, const btVector3& arm, const btVector3& direction)
         : linear(0, 0, 0), angular(0, 0, 0), along(0)
     {
-        if (swept.body == nullptr)
+        if (!swept.CanPush())
             return;
-        const btRigidBody& body = *swept.body;
-        const qcRigidDisplacement by = qcDisplacementBy(body, arm, direction);
-        if (!qcIsFree(body) && qcIsLedElsewhere(by.At(arm), direction))
+        const bool isGuided = swept.body == nullptr || !qcIsFree(*swept.body);
+        const qcRigidDisplacement by = swept.body != nullptr ? qcDisplacementBy(*swept.body, arm, direction)
+                                                             : swept.multibody->DisplacementBy(swept, arm, direction);
+        if (isGuided && qcIsLedElsewhere(by.At(arm), direction))
             return;
         linear = by.linear;
         angular = by.angular;
@@ -79,20 +78,19 @@ bool IsInFloor(const qcSweptObject& swept)
                        [&swept](const qcSweptFloor& floor) { return floor.HeightOf(*swept.hull, swept.end) < 0; });
 }
 
-void Push(qcSweptObject* swept, const Yield& yield, btScalar impulse)
+/// `push`: at `arm`, gives the object this yield times the impulse.
+void Push(qcSweptObject* swept, const Yield& yield, btScalar impulse, const btVector3& arm, const btVector3& direction)
 {
-    if (swept->body == nullptr || yield.along == 0)
+    if (yield.along == 0)
         return;
-    const btTransform before = swept->end;
-    swept->end.setOrigin(before.getOrigin() + yield.linear * impulse);
-    swept->pushes++;
-    btVector3 turn = yield.angular * impulse;
-    btScalar angle = turn.length();
-    if (angle > SIMD_EPSILON)
+    if (swept->multibody != nullptr)
     {
-        btQuaternion rotation(turn / angle, std::min(angle, s_maxRotation));
-        swept->end.setRotation((rotation * before.getRotation()).normalized());
+        swept->multibody->Push(*swept, arm, direction * impulse);
+        return;
     }
+    const btTransform before = swept->end;
+    swept->end = qcDisplaced(before, {yield.angular * impulse, yield.linear * impulse});
+    swept->pushes++;
     if (!IsInFloor(*swept))
         return;
     // It comes to lie on the floor: turned about that, it would be lifted.
@@ -119,8 +117,8 @@ void SolvePlane(qcMotionPlane* plane)
     const btScalar inverseMass = above.along + below.along;
     if (!(inverseMass > 0))
         return;
-    Push(plane->above.swept, above, lack / inverseMass);
-    Push(plane->below.swept, below, lack / inverseMass);
+    Push(plane->above.swept, above, lack / inverseMass, lowest.arm, plane->normal);
+    Push(plane->below.swept, below, lack / inverseMass, highest.arm, -plane->normal);
     plane->pushed += lack / inverseMass;
     plane->arms[0] = lowest.arm;
     plane->arms[1] = highest.arm;
@@ -136,8 +134,18 @@ btScalar LargestCoordinate(const qcSweptObject& a, const qcSweptObject& b)
 
 btVector3 VelocityAt(const qcSweptObject& swept, const btVector3& arm)
 {
+    if (swept.multibody != nullptr)
+        return swept.multibody->VelocityAt(swept, arm);
     const btRigidBody* body = btRigidBody::upcast(swept.object);
     return body != nullptr ? body->getVelocityInLocalPoint(arm) : btVector3(0, 0, 0);
+}
+
+void ApplyImpulse(const qcSweptObject* swept, const btVector3& arm, const btVector3& impulse)
+{
+    if (swept->body != nullptr)
+        swept->body->applyImpulse(impulse, arm);
+    else if (swept->multibody != nullptr)
+        swept->multibody->ApplyImpulse(*swept, arm, impulse);
 }
 } // namespace
 
@@ -200,6 +208,8 @@ void qcMotionPlanes::RemoveApproach(const qcMotionPlane& plane)
                                           VelocityAt(*plane.below.swept, plane.arms[1]));
     auto inverseMass = [&](const qcSweptObject& swept, const btVector3& arm)
     {
+        if (swept.multibody != nullptr)
+            return swept.multibody->DisplacementBy(swept, arm, plane.normal).At(arm).dot(plane.normal);
         return swept.body == nullptr
                    ? btScalar(0)
                    : swept.body->computeImpulseDenominator(swept.body->getCenterOfMassPosition() + arm, plane.normal);
@@ -209,8 +219,6 @@ void qcMotionPlanes::RemoveApproach(const qcMotionPlane& plane)
     if (!(approach > 0 && denominator > 0))
         return;
     btVector3 impulse = plane.normal * (approach / denominator);
-    if (plane.above.swept->body != nullptr)
-        plane.above.swept->body->applyImpulse(impulse, plane.arms[0]);
-    if (plane.below.swept->body != nullptr)
-        plane.below.swept->body->applyImpulse(-impulse, plane.arms[1]);
+    ApplyImpulse(plane.above.swept, plane.arms[0], impulse);
+    ApplyImpulse(plane.below.swept, plane.arms[1], -impulse);
 }

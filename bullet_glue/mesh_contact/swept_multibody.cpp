@@ -3,6 +3,7 @@
 
 #include "common/object_key.h"
 #include "mesh_contact/rigid_motion.h"
+#include "mesh_contact/swept_objects.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
@@ -99,26 +100,39 @@ std::vector<btTransform> qcSweptMultiBody::ReadColliders() const
     return places;
 }
 
+/// Where a step by the present velocities takes all colliders. The joints are back at the target.
+std::vector<btTransform> qcSweptMultiBody::StepFrom(const qcJointPositions& from, btScalar timeStep,
+                                                    qcJointPositions* end)
+{
+    from.Restore(&m_body);
+    m_body.stepPositionsMultiDof(timeStep);
+    qcMoveColliders(&m_body);
+    *end = qcJointPositions(m_body);
+    std::vector<btTransform> places = ReadColliders();
+    m_target.Restore(&m_body);
+    return places;
+}
+
 void qcSweptMultiBody::ReadMotion(btScalar timeStep)
 {
     ReadTarget();
-    m_hasStart = false;
+    m_wasStopped = m_isStopped;
+    m_isStopped = m_hasStart = false;
     if (!IsDynamic(m_body) || AreAllSame(m_records, m_targets))
         return;
-    m_body.stepPositionsMultiDof(-timeStep);
-    qcMoveColliders(&m_body);
-    m_start = qcJointPositions(m_body);
-    m_starts = ReadColliders();
-    m_target.Restore(&m_body);
-    const btScalar motion = LargestDisplacement(m_body, m_starts, m_targets);
-    m_hasStart = motion > 0;
-    // Bullet bounds the rotation of a joint in a step, so fast ones do not lead back to where they began.
-    if (m_records.size() == m_starts.size() &&
-        LargestDisplacement(m_body, m_records, m_starts) <= gContactBreakingThreshold + motion)
+    if (m_records.size() == m_targets.size())
     {
+        const std::vector<btTransform> expected = StepFrom(m_recorded, timeStep, &m_start);
+        const btScalar unexplained = LargestDisplacement(m_body, expected, m_targets);
         m_start = m_recorded;
         m_starts = m_records;
-        m_hasStart = true;
+        // The solver may correct more than velocities.
+        m_hasStart = unexplained <= gContactBreakingThreshold + LargestDisplacement(m_body, m_records, m_targets) / 2;
+    }
+    if (!m_hasStart)
+    {
+        m_starts = StepFrom(m_target, -timeStep, &m_start);
+        m_hasStart = LargestDisplacement(m_body, m_starts, m_targets) > 0;
     }
 }
 
@@ -127,8 +141,92 @@ void qcSweptMultiBody::ReadTarget()
     m_target = qcJointPositions(m_body);
     m_targets = ReadColliders();
     m_targetMoment = MomentOf(m_body);
+    m_members.clear();
+    m_motion.reset();
     m_fraction = 1;
     m_isMoved = true;
+}
+
+void qcSweptMultiBody::Add(qcSweptObject* swept)
+{
+    m_members.push_back({swept, 0, swept->end});
+}
+
+/// The motion of all members by pushes, which starts at the target.
+qcMultiBodyMotion& qcSweptMultiBody::Motion()
+{
+    if (m_motion == nullptr)
+    {
+        m_motion = std::make_unique<qcMultiBodyMotion>(m_body, nullptr);
+        for (Member& member : m_members)
+            member.index = m_motion->AddLink(qcAsLink(member.swept->object)->m_link);
+    }
+    return *m_motion;
+}
+
+size_t qcSweptMultiBody::IndexOf(const qcSweptObject& link)
+{
+    Motion();
+    return std::find_if(m_members.begin(), m_members.end(), [&link](const Member& m) { return m.swept == &link; })
+        ->index;
+}
+
+qcRigidDisplacement qcSweptMultiBody::DisplacementBy(const qcSweptObject& link, const btVector3& arm,
+                                                     const btVector3& push)
+{
+    const size_t index = IndexOf(link);
+    return m_motion->CanMove(index) ? m_motion->DisplacementBy(index, arm, push) : qcRigidDisplacement();
+}
+
+void qcSweptMultiBody::Push(const qcSweptObject& link, const btVector3& arm, const btVector3& push)
+{
+    const size_t index = IndexOf(link);
+    std::vector<btVector3> turns;
+    for (const Member& member : m_members)
+        turns.push_back(m_motion->Displacement(member.index).angular);
+    m_motion->Push(index, arm, push);
+    btScalar part = 1;
+    for (size_t i = 0; i < m_members.size(); i++)
+    {
+        const btScalar further = (m_motion->Displacement(m_members[i].index).angular - turns[i]).length();
+        const btScalar room = std::max(qcMaxRotation - turns[i].length(), btScalar(0));
+        part = further * part > room ? room / further : part;
+    }
+    if (part < 1)
+        m_motion->Push(index, arm, push * (part - 1));
+    for (Member& member : m_members)
+    {
+        member.swept->end = qcDisplaced(member.before, m_motion->Displacement(member.index));
+        member.swept->pushes++;
+    }
+}
+
+void qcSweptMultiBody::CommitPushes()
+{
+    if (m_motion == nullptr || !m_motion->Commit())
+        return;
+    m_isStopped = true;
+    m_target = qcJointPositions(m_body);
+    ReadEnds();
+}
+
+void qcSweptMultiBody::ReadEnds()
+{
+    for (Member& member : m_members)
+        member.swept->end = member.before = member.swept->object->getWorldTransform();
+}
+
+btVector3 qcSweptMultiBody::VelocityAt(const qcSweptObject& link, const btVector3& arm)
+{
+    const size_t index = IndexOf(link);
+    return m_motion->VelocityAt(index, arm);
+}
+
+void qcSweptMultiBody::ApplyImpulse(const qcSweptObject& link, const btVector3& arm, const btVector3& impulse)
+{
+    const size_t index = IndexOf(link);
+    if (m_motion->CanMove(index))
+        m_motion->ApplyImpulse(index, arm, impulse);
 }
 
 void qcSweptMultiBody::RecordEnd()
@@ -143,16 +241,17 @@ bool qcSweptMultiBody::CutTo(btScalar part)
         return false;
     m_fraction = part;
     m_isMoved = false;
+    m_isStopped = true;
     return true;
 }
 
-bool qcSweptMultiBody::Move()
+void qcSweptMultiBody::Move()
 {
     if (m_isMoved)
-        return false;
+        return;
     m_isMoved = true;
     m_start.Towards(m_target, m_fraction, m_body).Restore(&m_body);
-    return true;
+    ReadEnds();
 }
 
 void qcSweptMultiBody::UpdateVelocities(const btVector3& gravity)

@@ -3,7 +3,11 @@
 #ifndef QC_GLUE_MESH_CONTACT_SWEPT_MULTIBODY_H
 #define QC_GLUE_MESH_CONTACT_SWEPT_MULTIBODY_H
 
-#include "common/multibody_joints.h"
+#include "common/multibody_motion.h"
+
+#include <memory>
+
+struct qcSweptObject;
 
 class qcSweptMultiBody
 {
@@ -30,6 +34,22 @@ class qcSweptMultiBody
     {
         return m_starts[size_t(link + 1)];
     }
+    /// Takes part with a link, whose end follows its motion until the next step.
+    void Add(qcSweptObject* swept);
+    /// True if planes push it: where it was stopped in the previous step, too. The first time it is cut back: planes at
+    /// single points would tilt what strikes flush, and contact of the next step is mostly all that it needs.
+    bool Yields() const
+    {
+        return m_wasStopped;
+    }
+    /// The displacement of a link if `push` acts at `arm` from its centre.
+    qcRigidDisplacement DisplacementBy(const qcSweptObject& link, const btVector3& arm, const btVector3& push);
+    /// Moves the ends of all links by a push on one.
+    void Push(const qcSweptObject& link, const btVector3& arm, const btVector3& push);
+    /// Moves the joints by all pushes since the last call, and the ends to where that leads. The target is there.
+    void CommitPushes();
+    btVector3 VelocityAt(const qcSweptObject& link, const btVector3& arm);
+    void ApplyImpulse(const qcSweptObject& link, const btVector3& arm, const btVector3& impulse);
     /// The part of its motion that it makes.
     btScalar Fraction() const
     {
@@ -37,27 +57,37 @@ class qcSweptMultiBody
     }
     /// Makes no more than this part of the motion from now on. False: it makes no more already.
     bool CutTo(btScalar part);
-    /// Moves the joints and all colliders to where that part ends. False: they are there.
-    bool Move();
-    /// Slows it down by what gravity has given it for the part of a fall that it doesn't make, so that it gains no
-    /// energy.
+    /// Moves the joints, all colliders and the ends to where that part ends.
+    void Move();
+    /// If it was pushed or cut: slows it down by what gravity has given it for the part of a fall that it doesn't make,
+    /// so that it gains no energy.
     void UpdateVelocities(const btVector3& gravity);
-
-    const btMultiBody& Body() const
-    {
-        return m_body;
-    }
 
     uint64_t step = 0; ///< the last one that found it in the world
 
   private:
+    /// A link that takes part.
+    struct Member
+    {
+        qcSweptObject* swept;
+        size_t index;       ///< in the motion
+        btTransform before; ///< the end without the pushes since CommitPushes
+    };
+
     std::vector<btTransform> ReadColliders() const;
+    std::vector<btTransform> StepFrom(const qcJointPositions& from, btScalar timeStep, qcJointPositions* end);
+    qcMultiBodyMotion& Motion();
+    size_t IndexOf(const qcSweptObject& link);
+    void ReadEnds();
 
     btMultiBody& m_body;
     qcJointPositions m_start, m_target, m_recorded;
     std::vector<btTransform> m_starts, m_targets, m_records; ///< of the colliders, the base first
     btVector3 m_targetMoment{0, 0, 0};                       ///< sum of masses times places, at the target
+    std::vector<Member> m_members;
+    std::unique_ptr<qcMultiBodyMotion> m_motion; ///< null: no push needs it yet
     bool m_hasStart = false, m_isMoved = true;
+    bool m_wasStopped = false, m_isStopped = false; ///< in the previous step; in this one
     btScalar m_fraction = 1;
 };
 

@@ -15,7 +15,6 @@
 #include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
-#include <set>
 
 namespace
 {
@@ -280,22 +279,23 @@ void qcSweptObjects::ReadMultiBodies(btScalar timeStep)
         entry = entry->second->step != m_step + 1 ? m_multibodies.erase(entry) : std::next(entry);
 }
 
+void qcSweptObjects::CommitMultiBodies()
+{
+    for (auto& [body, multibody] : m_multibodies)
+        multibody->CommitPushes();
+}
+
 void qcSweptObjects::MoveMultiBodies()
 {
-    std::set<const qcSweptMultiBody*> moved;
     for (auto& [body, multibody] : m_multibodies)
-        if (multibody->Move())
-            moved.insert(multibody.get());
-    for (qcSweptObject* swept : m_sorted)
-        if (moved.count(swept->multibody) > 0)
-            swept->end = swept->object->getWorldTransform();
+        multibody->Move();
 }
 
 void qcSweptObjects::UpdateMultiBodies() const
 {
     const auto* dynamics = dynamic_cast<const btDynamicsWorld*>(m_settings.world);
     for (const auto& [body, multibody] : m_multibodies)
-        if (multibody->Fraction() < 1 && dynamics != nullptr)
+        if (dynamics != nullptr)
             multibody->UpdateVelocities(dynamics->getGravity());
 }
 
@@ -363,6 +363,8 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
     if (takesCores)
         m_cores.ForEachCore(object->getCollisionShape(), addCore);
     swept.target = swept.end = object->getWorldTransform();
+    if (swept.multibody != nullptr)
+        swept.multibody->Add(&swept);
     FindFloors(&swept);
     swept.carried = swept.start;
     swept.isLookedUp = false;

@@ -68,6 +68,11 @@ struct qcSweptObject
     {
         return body != nullptr || multibody != nullptr;
     }
+    /// True if planes can push the object.
+    bool CanPush() const
+    {
+        return body != nullptr || (multibody != nullptr && multibody->Yields());
+    }
     /// The part of its motion that the object makes.
     btScalar MadePart() const
     {
@@ -144,7 +149,9 @@ class qcSweptObjects
     /// removed from the scene.
     /// True if an object has moved.
     bool ReadTargets(qcScene* scene);
-    /// Moves multibodies whose motion was cut since the last call, and the ends of their links.
+    /// Moves multibodies by the pushes since the last call.
+    void CommitMultiBodies();
+    /// Moves multibodies whose motion was cut since the last call.
     void MoveMultiBodies();
     /// Adapts the velocities of multibodies whose motion was cut.
     void UpdateMultiBodies() const;

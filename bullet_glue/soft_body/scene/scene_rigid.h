@@ -2,7 +2,7 @@
 #ifndef QC_GLUE_SOFT_BODY_SCENE_SCENE_RIGID_H
 #define QC_GLUE_SOFT_BODY_SCENE_SCENE_RIGID_H
 
-#include "soft_body/scene/multibody_motion.h"
+#include "common/multibody_motion.h"
 #include "soft_body/scene/scene_mesh.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>

@@ -3,7 +3,7 @@
 // Roy Featherstone, Rigid Body Dynamics Algorithms, 2008: the Jacobian J of a link takes velocities of the joints to
 // that of the link, and its transpose J' forces on the link to those on the joints. With the inertia M of the joints a
 // link moves by J M^-1 J' of a push on it. Bullet has M^-1 from the step's beginning.
-#include "soft_body/scene/multibody_motion.h"
+#include "common/multibody_motion.h"
 
 #include <algorithm>
 #include <cmath>
@@ -133,12 +133,31 @@ qcRigidDisplacement qcMultiBodyMotion::DisplacementBy(size_t link, const btVecto
     return sum;
 }
 
-void qcMultiBodyMotion::Push(size_t link, const btVector3& arm, const btVector3& push)
+/// Adds the displacement of the coordinates by a push on a link.
+void qcMultiBodyMotion::AddResponse(size_t link, const btVector3& arm, const btVector3& push, Coordinates* moved) const
 {
     const std::array<btScalar, 6> wrench = WrenchOf(arm, push);
     for (size_t k = 0; k < 6; k++)
-        for (size_t i = 0; i < m_pushed.size(); i++)
-            m_pushed[i] += m_links[link].response[k][i] * wrench[k];
+        for (size_t i = 0; i < moved->size(); i++)
+            (*moved)[i] += m_links[link].response[k][i] * wrench[k];
+}
+
+btVector3 qcMultiBodyMotion::VelocityAt(size_t link, const btVector3& arm) const
+{
+    const btScalar* present = m_body.getVelocityVector();
+    return DisplacementOf(m_links[link], Coordinates(present, present + m_pushed.size())).At(arm);
+}
+
+void qcMultiBodyMotion::ApplyImpulse(size_t link, const btVector3& arm, const btVector3& impulse)
+{
+    Coordinates change(m_pushed.size(), btScalar(0));
+    AddResponse(link, arm, impulse, &change);
+    m_body.applyDeltaVeeMultiDof(change.data(), 1);
+}
+
+void qcMultiBodyMotion::Push(size_t link, const btVector3& arm, const btVector3& push)
+{
+    AddResponse(link, arm, push, &m_pushed);
     for (Link& other : m_links)
         other.displacement = DisplacementOf(other, m_pushed);
 }

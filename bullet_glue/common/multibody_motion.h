@@ -1,10 +1,10 @@
-// A multibody with links near soft bodies: how pushes on its links move it.
+// How pushes on its links move a multibody.
 //
 // A push on one link moves all others, too: by Featherstone's algorithm, in Bullet's btMultiBody. It takes a force on
 // the joints to their acceleration; so it takes an impulse to a velocity, and a push, an impulse times the time step,
 // to a displacement.
-#ifndef QC_GLUE_SOFT_BODY_SCENE_MULTIBODY_MOTION_H
-#define QC_GLUE_SOFT_BODY_SCENE_MULTIBODY_MOTION_H
+#ifndef QC_GLUE_COMMON_MULTIBODY_MOTION_H
+#define QC_GLUE_COMMON_MULTIBODY_MOTION_H
 
 #include "common/multibody_joints.h"
 #include "common/rigid_displacement.h"
@@ -35,6 +35,10 @@ class qcMultiBodyMotion
     }
     /// Moves the joints, and the colliders of all links, by the pushes since the last call. False: there were none.
     bool Commit();
+    /// The velocity of the point at `arm` from a link's centre.
+    btVector3 VelocityAt(size_t link, const btVector3& arm) const;
+    /// Changes the velocities of all joints by an impulse on a link.
+    void ApplyImpulse(size_t link, const btVector3& arm, const btVector3& impulse);
     /// Changes velocities by the motion of Commit since the last call.
     void UpdateVelocities(btScalar timeStep);
     /// Undoes all motion by pushes, and returns to the velocities of Bullet's own solvers.
@@ -82,6 +86,7 @@ class qcMultiBodyMotion
         qcRigidDisplacement displacement; ///< since the last Commit
     };
 
+    void AddResponse(size_t link, const btVector3& arm, const btVector3& push, Coordinates* moved) const;
     void FindJacobian(int link, std::array<Coordinates, 6>* jacobian) const;
     void FindResponse(const Coordinates& force, Coordinates* response) const;
     static qcRigidDisplacement DisplacementOf(const Link& link, const Coordinates& moved);
