@@ -2,6 +2,7 @@
 #include "mesh_contact/swept_multibody.h"
 
 #include "common/object_key.h"
+#include "common/object_motion.h"
 #include "mesh_contact/rigid_motion.h"
 #include "mesh_contact/swept_objects.h"
 
@@ -82,6 +83,16 @@ void ScaleVelocities(btMultiBody* body, btScalar factor)
     }
 }
 
+/// Half the length of all links in a row.
+btScalar HalfSizeOf(const btMultiBody& body)
+{
+    btScalar sum = 0;
+    for (size_t i = 0; i < size_t(body.getNumLinks()) + 1; i++)
+        if (const btMultiBodyLinkCollider* collider = ColliderOf(body, i))
+            sum += qcHalfSize(collider->getCollisionShape());
+    return sum;
+}
+
 bool AreAllSame(const std::vector<btTransform>& a, const std::vector<btTransform>& b)
 {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(),
@@ -120,14 +131,19 @@ void qcSweptMultiBody::ReadMotion(btScalar timeStep)
     m_isStopped = m_hasStart = false;
     if (!IsDynamic(m_body) || AreAllSame(m_records, m_targets))
         return;
+    qcJointPositions stepped = m_target;
     if (m_records.size() == m_targets.size())
     {
-        const std::vector<btTransform> expected = StepFrom(m_recorded, timeStep, &m_start);
-        const btScalar unexplained = LargestDisplacement(m_body, expected, m_targets);
-        m_start = m_recorded;
-        m_starts = m_records;
+        // What the application moves, such as a base, has moved there, or was put there.
+        const qcJointPositions placed = m_recorded.Towards(m_target, 0, m_body);
+        const std::vector<btTransform> places = StepFrom(placed, 0, &stepped);
+        const bool hasMoved = LargestDisplacement(m_body, m_records, places) <= HalfSizeOf(m_body);
+        const std::vector<btTransform> expected = StepFrom(placed, timeStep, &stepped);
         // The solver may correct more than velocities.
-        m_hasStart = unexplained <= gContactBreakingThreshold + LargestDisplacement(m_body, m_records, m_targets) / 2;
+        m_hasStart = LargestDisplacement(m_body, expected, m_targets) <=
+                     gContactBreakingThreshold + LargestDisplacement(m_body, m_records, m_targets) / 2;
+        m_start = hasMoved ? m_recorded : placed;
+        m_starts = hasMoved ? m_records : places;
     }
     if (!m_hasStart)
     {

@@ -86,7 +86,7 @@ tests/sweep                 tests/support plugin/base plugin/mesh plugin/scene p
 tests/kernels               tests/support tests/sweep plugin/base plugin/mesh plugin/kernels plugin/narrowphase
 tests/gl                    tests/support plugin/base plugin/gl plugin/gl/visibility
 tests/broadphase            tests/support plugin/base plugin/broadphase
-tests/cull                  tests/support plugin/base plugin/scene plugin/cull/layers plugin/gl/layers
+tests/cull                  tests/support plugin/base plugin/scene plugin/cull/layers plugin/gl/layers plugin/pipeline
 tests/narrowphase           tests/support
 tests/manifold              tests/support
 tests/pipeline              tests/support demos/common/mesh_io

@@ -392,6 +392,35 @@ START_TEST(a_link_passes_only_what_it_does_not_collide_with)
 }
 END_TEST
 
+START_TEST(an_arm_on_a_base_that_the_application_moves_passes_no_wall)
+{
+    for (btScalar speed : {btScalar(2), btScalar(7)})
+    {
+        ArmWorld made(_i, 2);
+        made.AddWall(btScalar(-0.3));
+        made.arm.Body().setJointVel(0, 15);
+        int limited = 0;
+        for (int step = 0; step < 20; step++)
+        {
+            made.arm.Body().setBasePos(speed * qcStep * btScalar(step) * s_along);
+            limited += made.StepApart();
+        }
+        ck_assert_int_gt(limited, 0);
+    }
+    // Put elsewhere, where no wall is, its arm turns on.
+    ArmWorld made(_i, 2);
+    made.AddWall(btScalar(-0.3));
+    made.arm.Body().setJointVel(0, 15);
+    for (int step = 0; step < 20; step++)
+    {
+        made.arm.Body().setBasePos(btScalar(5 * step) * s_along);
+        made.world.stepSimulation(qcStep, 0);
+        ck_assert_int_eq(made.contact.getStatistics().limited, 0);
+    }
+    ck_assert_double_gt(double(made.arm.Body().getJointPos(0)), 4);
+}
+END_TEST
+
 START_TEST(slow_links_are_left_to_bullet)
 {
     LinkWorld made(s_gravity);
@@ -415,6 +444,7 @@ QC_TEST_MAIN()
     tcase_add_loop_test(tests, chains_that_are_thrown_at_each_other_pass_nothing, 0, kind_kinds);
     tcase_add_loop_test(tests, a_link_slides_along_a_wall_that_it_meets_at_an_angle, 0, kind_kinds);
     tcase_add_loop_test(tests, a_link_passes_only_what_it_does_not_collide_with, 0, link_kinds);
+    tcase_add_loop_test(tests, an_arm_on_a_base_that_the_application_moves_passes_no_wall, 0, kind_kinds);
     tcase_add_loop_test(tests, slow_links_are_left_to_bullet, kind_capsule, kind_kinds);
     suite_add_tcase(suite, tests);
     return qcRunSuite(suite);
