@@ -303,6 +303,61 @@ START_TEST(fingers_lift_a_cloth_that_they_press_against_a_board)
 }
 END_TEST
 
+/// An arm of three links with strong motors, over the origin.
+class RandomArm
+{
+  public:
+    RandomArm(qcMultiBodyWorld& world, qcRandomNumbers& random)
+        : m_world(world.World()), m_robot(world, 3, 0, btVector3(1, 1, 1), true)
+    {
+        const btVector3 half(btScalar(0.15), btScalar(0.03), btScalar(0.02)), end(btScalar(0.15), 0, 0);
+        m_robot.Body().setBasePos(btVector3(0, btScalar(0.35), 0));
+        for (int link = 0; link < 3; link++)
+        {
+            const btVector3 axis = random.Vector(1);
+            m_robot.Body().setupRevolute(link, btScalar(0.5), qcRobot::InertiaOf(btScalar(0.5), half), link - 1,
+                                         s_upright, axis.normalized(), link == 0 ? s_none : end, end, true);
+        }
+        m_robot.Finish();
+        // A static base takes nothing from its arm.
+        m_robot.AddBox(-1, btVector3(btScalar(0.05), btScalar(0.05), btScalar(0.05)))
+            ->setCollisionFlags(btCollisionObject::CF_STATIC_OBJECT);
+        for (int link = 0; link < 3; link++)
+            m_robot.AddBox(link, half);
+        for (int link = 0; link < 3; link++)
+        {
+            m_motors.emplace_back(new btMultiBodyJointMotor(&m_robot.Body(), link, 0, 20));
+            m_motors.back()->finalizeMultiDof();
+            m_world.addMultiBodyConstraint(m_motors.back().get());
+        }
+    }
+    ~RandomArm()
+    {
+        for (const std::unique_ptr<btMultiBodyJointMotor>& motor : m_motors)
+            m_world.removeMultiBodyConstraint(motor.get());
+    }
+    RandomArm(const RandomArm&) = delete;
+    RandomArm& operator=(const RandomArm&) = delete;
+
+    qcRobot& Robot()
+    {
+        return m_robot;
+    }
+    /// New speeds, every 0.3 s.
+    void Drive(btScalar time, qcRandomNumbers& random)
+    {
+        for (size_t i = 0; i < m_motors.size() && time >= m_next; i++)
+            m_motors[i]->setVelocityTarget(random.Number(-12, 12));
+        m_next += time >= m_next ? btScalar(0.3) : btScalar(0);
+    }
+
+  private:
+    btMultiBodyDynamicsWorld& m_world;
+    qcRobot m_robot;
+    std::vector<std::unique_ptr<btMultiBodyJointMotor>> m_motors;
+    btScalar m_next = 0;
+};
+
 START_TEST(random_arms_that_strike_a_cloth_on_the_floor_pass_nothing)
 {
     // Strong motors press links of all directions on cloth that lies on a floor: often there is no room.
@@ -313,46 +368,55 @@ START_TEST(random_arms_that_strike_a_cloth_on_the_floor_pass_nothing)
         std::unique_ptr<qcMultiBodyWorld> world = qcMakeMultiBodyWorld(_i != 0, s_gravity);
         const btSoftBody* cloth = world->AddCloth(btScalar(0.05), false);
         const qcFixedBox floor(*world, btVector3(5, 1, 5), btVector3(0, -1, 0));
-        const btVector3 half(btScalar(0.15), btScalar(0.03), btScalar(0.02)), end(btScalar(0.15), 0, 0);
-        qcRobot robot(*world, 3, 0, btVector3(1, 1, 1), true);
-        robot.Body().setBasePos(btVector3(0, btScalar(0.35), 0));
-        for (int link = 0; link < 3; link++)
-        {
-            const btVector3 axis = random.Vector(1);
-            robot.Body().setupRevolute(link, btScalar(0.5), qcRobot::InertiaOf(btScalar(0.5), half), link - 1,
-                                       s_upright, axis.normalized(), link == 0 ? s_none : end, end, true);
-        }
-        robot.Finish();
-        // A static base takes nothing from its arm.
-        robot.AddBox(-1, btVector3(btScalar(0.05), btScalar(0.05), btScalar(0.05)))
-            ->setCollisionFlags(btCollisionObject::CF_STATIC_OBJECT);
-        for (int link = 0; link < 3; link++)
-            robot.AddBox(link, half);
-        std::vector<std::unique_ptr<btMultiBodyJointMotor>> motors;
-        for (int link = 0; link < 3; link++)
-        {
-            motors.emplace_back(new btMultiBodyJointMotor(&robot.Body(), link, 0, 20));
-            motors.back()->finalizeMultiDof();
-            world->World().addMultiBodyConstraint(motors.back().get());
-        }
+        RandomArm arm(*world, random);
         qcMotionOracle oracle;
         oracle.Add([cloth] { return qcWorldMeshOf(cloth); });
-        robot.Watch(oracle, btScalar(1e-6));
-        btScalar next = 0;
+        arm.Robot().Watch(oracle, btScalar(1e-6));
         for (btScalar time = 0; time < 3; time += world->TimeStep())
         {
-            for (size_t i = 0; i < motors.size() && time >= next; i++)
-                motors[i]->setVelocityTarget(random.Number(-12, 12));
-            next += time >= next ? btScalar(0.3) : btScalar(0);
+            arm.Drive(time, random);
             world->StepApart(oracle);
             steps++;
-            stopped += robot.Body().getJointVel(0) == 0;
+            stopped += arm.Robot().Body().getJointVel(0) == 0;
         }
-        for (const std::unique_ptr<btMultiBodyJointMotor>& motor : motors)
-            world->World().removeMultiBodyConstraint(motor.get());
     }
     // The last resort, that a multibody returns to the start of the step, is seldom needed.
     ck_assert_int_lt(100 * stopped, steps);
+}
+END_TEST
+
+START_TEST(random_arms_that_strike_a_cloth_on_a_thin_mesh_pass_neither)
+{
+    const qcModel plate = qcBoxModel(btVector3(2, btScalar(0.01), 2), 4);
+    const std::unique_ptr<qcMeshShape> shape = plate.MakeShape();
+    for (unsigned start = 1; start <= (qcIsLongForm() ? 100u : 3u); start++)
+    {
+        qcRandomNumbers random(start);
+        std::unique_ptr<qcMultiBodyWorld> world = qcMakeMultiBodyWorld(_i != 0, s_gravity);
+        qcMeshContact meshes;
+        meshes.addTo(&world->World());
+        const btSoftBody* cloth = world->AddCloth(btScalar(0.05), false);
+        btRigidBody table(0, nullptr, shape.get());
+        table.setWorldTransform(btTransform(s_upright, btVector3(0, btScalar(-0.01), 0)));
+        world->World().addRigidBody(&table);
+        {
+            RandomArm arm(*world, random);
+            qcMotionOracle withCloth, withTable;
+            withCloth.Add([cloth] { return qcWorldMeshOf(cloth); });
+            arm.Robot().Watch(withCloth, btScalar(1e-6));
+            withTable.Add(plate, &table);
+            // Inside of the links' cores.
+            arm.Robot().Watch(withTable, btScalar(0.015));
+            for (btScalar time = 0; time < 3; time += world->TimeStep())
+            {
+                arm.Drive(time, random);
+                world->StepApart(withCloth);
+                ck_assert_uint_eq(withTable.Count(), 0);
+                ck_assert_int_eq(meshes.getStatistics().unproven, 0);
+            }
+        }
+        world->World().removeRigidBody(&table);
+    }
 }
 END_TEST
 
@@ -584,6 +648,7 @@ QC_TEST_MAIN()
                                 links_that_the_application_moves_move_cloth_without_a_world_that_steps_them,
                                 fingers_lift_a_cloth_that_they_press_against_a_board,
                                 random_arms_that_strike_a_cloth_on_the_floor_pass_nothing,
+                                random_arms_that_strike_a_cloth_on_a_thin_mesh_pass_neither,
                                 a_wedge_that_leaves_cloth_no_room_jams,
                                 a_slider_that_presses_cloth_on_a_floor_is_not_thrown_back,
                                 links_that_pushes_swing_into_another_cloth_do_not_pass_it,
