@@ -63,7 +63,7 @@ btScalar KineticEnergyOf(const btMultiBody& body)
     return sum;
 }
 
-/// Of what Bullet moves.
+/// Scales the velocities of what Bullet moves.
 void ScaleVelocities(btMultiBody* body, btScalar factor)
 {
     if (!body->isBaseStaticOrKinematic())

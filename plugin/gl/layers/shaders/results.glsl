@@ -6,7 +6,7 @@ const uint resultsAt = COUNTER_WORDS / 2u;
 
 shared bool isLast;
 
-// Of the last kernel, which `kernelsBetween` others follow the first one before. Its last workgroup copies the counters for
+// Ends the last kernel. Between it and the first one `kernelsBetween` others run. Its last workgroup copies the counters for
 // the processor. They are read by atomics: a cache may hold old ones.
 void finish(uint groups, uint k, uint kernelsBetween)
 {
