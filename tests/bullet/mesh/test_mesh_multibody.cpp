@@ -70,10 +70,11 @@ struct LinkWorld
     std::vector<std::unique_ptr<qcMeshShape>> shapes;
     std::vector<std::unique_ptr<qcModel>> models;
 
-    explicit LinkWorld(const btVector3& gravity)
+    explicit LinkWorld(const btVector3& gravity, bool isPlain = false)
     {
         world.setGravity(gravity);
-        contact.addTo(&world);
+        if (!isPlain)
+            contact.addTo(&world);
         contact.setThreadCount(1);
     }
     ~LinkWorld()
@@ -421,6 +422,27 @@ START_TEST(an_arm_on_a_base_that_the_application_moves_passes_no_wall)
 }
 END_TEST
 
+START_TEST(a_chain_that_meets_nothing_moves_as_in_plain_bullet)
+{
+    LinkWorld made(s_gravity), plain(s_gravity, true);
+    made.Add(qcFloorModel(4, 8), 0, btTransform(s_upright, btVector3(0, -50, 0)), s_fixed);
+    Chain chain(made, _i, 4, false, s_nowhere, 1), same(plain, _i, 4, false, s_nowhere, 1);
+    for (Chain* one : {&chain, &same})
+    {
+        one->Body().setBaseOmega(btVector3(1, 2, 3));
+        one->Body().setJointVel(0, 5);
+    }
+    for (int step = 0; step < 120; step++)
+    {
+        made.StepApart();
+        plain.world.stepSimulation(qcStep, 0);
+        // To the bit.
+        for (size_t i = 0; i < 5; i++)
+            ck_assert(chain.Collider(i).getWorldTransform() == same.Collider(i).getWorldTransform());
+    }
+}
+END_TEST
+
 START_TEST(slow_links_are_left_to_bullet)
 {
     LinkWorld made(s_gravity);
@@ -445,6 +467,7 @@ QC_TEST_MAIN()
     tcase_add_loop_test(tests, a_link_slides_along_a_wall_that_it_meets_at_an_angle, 0, kind_kinds);
     tcase_add_loop_test(tests, a_link_passes_only_what_it_does_not_collide_with, 0, link_kinds);
     tcase_add_loop_test(tests, an_arm_on_a_base_that_the_application_moves_passes_no_wall, 0, kind_kinds);
+    tcase_add_loop_test(tests, a_chain_that_meets_nothing_moves_as_in_plain_bullet, 0, kind_kinds);
     tcase_add_loop_test(tests, slow_links_are_left_to_bullet, kind_capsule, kind_kinds);
     suite_add_tcase(suite, tests);
     return qcRunSuite(suite);
