@@ -149,6 +149,13 @@ START_TEST(each_kernel_has_its_times_where_it_runs)
 }
 END_TEST
 
+START_TEST(too_few_triangles_for_all_scenes_are_refused)
+{
+    ck_assert_int_eq(Run("%s gpu --scenes cloth,tangle-92k --triangles 500 --out small", BENCH), 1);
+    ck_assert_ptr_nonnull(strstr(GetErrors(), "none of the scenes has at most 500 triangles (--triangles)"));
+}
+END_TEST
+
 START_TEST(scenes_without_their_files_are_skipped)
 {
     if (!HasDevice(""))
@@ -278,6 +285,7 @@ int main(void)
     tcase_add_test(tcase, lists_agree_only_if_all_frames_and_all_steps_do);
     tcase_add_test(tcase, each_scene_and_size_has_its_rows_with_equal_lists);
     tcase_add_test(tcase, each_kernel_has_its_times_where_it_runs);
+    tcase_add_test(tcase, too_few_triangles_for_all_scenes_are_refused);
     tcase_add_test(tcase, scenes_without_their_files_are_skipped);
     tcase_add_test(tcase, frames_from_the_middle_of_a_recording_are_measured);
     tcase_add_test(tcase, a_device_that_does_not_work_is_a_clear_error);

@@ -3,6 +3,7 @@
 
 #include "common/files.h"
 
+#include <inttypes.h>
 #include <stdlib.h>
 
 static qcExitStatus MeasureScene(const qcGpuOptions* options, const qcGpuDevice* device, int scene, qcGpuTable* table,
@@ -50,10 +51,21 @@ static qcExitStatus CheckRows(const qcGpuTable* table, qcMessage* message)
     return ending;
 }
 
+/// Fails if all scenes are larger than requested.
+static bool CheckSizes(const qcGpuOptions* options, qcMessage* message)
+{
+    uint32_t sizes = 0;
+    for (int scene = 0; scene < qc_gpuSceneCount; ++scene)
+        sizes += options->scenes[scene] ? qcGpuScene_CountSizes(scene, options) : 0;
+    return sizes != 0 || options->maxTriangles == 0 ||
+           qcMessage_Fail(message, "none of the scenes has at most %" PRIu32 " triangles (--triangles)",
+                          options->maxTriangles);
+}
+
 static qcExitStatus Measure(qcGpuOptions* options, qcGpuDevice* device, qcGpuTable* table, qcMessage* message)
 {
     // Fails here, not after minutes of work.
-    if (!qcFiles_Check(options->out, "gpu.csv", message))
+    if (!CheckSizes(options, message) || !qcFiles_Check(options->out, "gpu.csv", message))
         return qc_exitFailed;
     qcExitStatus ending = qcGpu_OpenDevice(options, device, message);
     if (ending != qc_exitDone)
