@@ -48,16 +48,34 @@ qcJointPositions::qcJointPositions(const btMultiBody& body)
     : m_basePosition(body.getBasePos()), m_baseRotation(body.getWorldToBaseRot()), m_joints(size_t(body.getNumLinks()))
 {
     for (int i = 0; i < body.getNumLinks(); i++)
+    {
+        m_joints[size_t(i)].fill(0);
         std::copy_n(body.getJointPosMultiDof(i), body.getLink(i).m_posVarCount, m_joints[size_t(i)].begin());
+    }
 }
 
-void qcJointPositions::Restore(btMultiBody* body) const
+void qcJointPositions::Set(btMultiBody* body) const
 {
     body->setBasePos(m_basePosition);
     body->setWorldToBaseRot(m_baseRotation);
     for (int i = 0; i < body->getNumLinks(); i++)
         body->setJointPosMultiDof(i, m_joints[size_t(i)].data());
+}
+
+void qcJointPositions::Restore(btMultiBody* body) const
+{
+    Set(body);
     qcMoveColliders(body);
+}
+
+btScalar qcJointPositions::DistanceTo(const qcJointPositions& other, btScalar reach) const
+{
+    btScalar turns = (m_baseRotation - other.m_baseRotation).length();
+    for (size_t i = 0; i < m_joints.size(); i++)
+        for (size_t k = 0; k < m_joints[i].size(); k++)
+            turns += btFabs(m_joints[i][k] - other.m_joints[i][k]);
+    // A quaternion differs by half the angle. A joint slides by as much as its position differs.
+    return m_basePosition.distance(other.m_basePosition) + turns * std::max(2 * reach, btScalar(1));
 }
 
 qcJointPositions qcJointPositions::Towards(const qcJointPositions& end, btScalar part, const btMultiBody& body) const

@@ -19,8 +19,13 @@ class qcJointPositions
 {
   public:
     explicit qcJointPositions(const btMultiBody& body);
+    /// Moves them back, without the colliders.
+    void Set(btMultiBody* body) const;
     /// Moves them back, and all colliders.
     void Restore(btMultiBody* body) const;
+    /// About the largest displacement of a link between these and others of the same multibody, whose links reach so
+    /// far; 0 only if they are the same.
+    btScalar DistanceTo(const qcJointPositions& other, btScalar reach) const;
     /// Positions on the way from these to others of the same multibody: 0 and 1 are the two ends, exactly. What is
     /// static or kinematic is at the other end.
     qcJointPositions Towards(const qcJointPositions& end, btScalar part, const btMultiBody& body) const;

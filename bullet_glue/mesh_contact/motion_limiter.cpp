@@ -608,11 +608,14 @@ void qcMotionLimiter::LimitAgain(btScalar timeStep, const std::vector<const btCo
     for (const btCollisionObject* object : held)
     {
         qcSweptObject* swept = m_objects.Find(object);
-        if (swept == nullptr || swept->body == nullptr)
-            continue;
-        swept->body->proceedToTransform(swept->start);
-        swept->isLimited = true;
-        moved->push_back(object);
+        if (swept != nullptr && swept->body != nullptr)
+        {
+            swept->body->proceedToTransform(swept->start);
+            swept->isLimited = true;
+            moved->push_back(object);
+        }
+        else
+            m_objects.ReturnMultiBody(object, moved);
     }
     m_objects.ReadTargets(m_scene.Get());
     for (const btCollisionObject* object : held)
@@ -620,8 +623,9 @@ void qcMotionLimiter::LimitAgain(btScalar timeStep, const std::vector<const btCo
             swept->body = nullptr; // like a static one
     Run(timeStep, statistics);
     for (const qcSweptObject* swept : m_objects.Get())
-        if (swept->pushes > 0 || swept->MadePart() < 1)
+        if (swept->body != nullptr && (swept->pushes > 0 || swept->fraction < 1))
             moved->push_back(swept->object);
+    m_objects.ForEachLimitedLink([moved](const btCollisionObject* link) { moved->push_back(link); });
     m_objects.RecordEnds();
     WriteStatistics(start, statistics);
 }

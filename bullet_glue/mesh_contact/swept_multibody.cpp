@@ -1,6 +1,7 @@
 // The motion of a multibody in a step, in the coordinates of its joints.
 #include "mesh_contact/swept_multibody.h"
 
+#include "common/finite.h"
 #include "common/object_key.h"
 #include "common/object_motion.h"
 #include "mesh_contact/rigid_motion.h"
@@ -13,13 +14,8 @@
 
 namespace
 {
-const btMultiBodyLinkCollider* ColliderOf(const btMultiBody& body, size_t i)
-{
-    return i == 0 ? body.getBaseCollider() : body.getLinkCollider(int(i) - 1);
-}
-
 /// True if Bullet moves the base or a joint.
-bool IsDynamic(const btMultiBody& body)
+bool IsMoved(const btMultiBody& body)
 {
     if (!body.isBaseStaticOrKinematic())
         return true;
@@ -27,18 +23,6 @@ bool IsDynamic(const btMultiBody& body)
         if (body.getLink(i).m_dofCount > 0 && !body.isLinkStaticOrKinematic(i))
             return true;
     return false;
-}
-
-/// The largest displacement of a point of a link.
-btScalar LargestDisplacement(const btMultiBody& body, const std::vector<btTransform>& from,
-                             const std::vector<btTransform>& to)
-{
-    btScalar largest = 0;
-    for (size_t i = 0; i < from.size(); i++)
-        if (const btMultiBodyLinkCollider* collider = ColliderOf(body, i))
-            largest = std::max(
-                largest, qcDisplacementBound(from[i], to[i], collider->getCollisionShape()->getAngularMotionDisc()));
-    return largest;
 }
 
 /// The sum of masses times places.
@@ -83,14 +67,9 @@ void ScaleVelocities(btMultiBody* body, btScalar factor)
     }
 }
 
-/// Half the length of all links in a row.
-btScalar HalfSizeOf(const btMultiBody& body)
+bool AreFinite(const std::vector<btTransform>& places)
 {
-    btScalar sum = 0;
-    for (size_t i = 0; i < size_t(body.getNumLinks()) + 1; i++)
-        if (const btMultiBodyLinkCollider* collider = ColliderOf(body, i))
-            sum += qcHalfSize(collider->getCollisionShape());
-    return sum;
+    return std::all_of(places.begin(), places.end(), [](const btTransform& place) { return qcIsFinite(place); });
 }
 
 bool AreAllSame(const std::vector<btTransform>& a, const std::vector<btTransform>& b)
@@ -100,72 +79,143 @@ bool AreAllSame(const std::vector<btTransform>& a, const std::vector<btTransform
 }
 } // namespace
 
-std::vector<btTransform> qcSweptMultiBody::ReadColliders() const
+/// Null: it has none, or one without a shape, which is nowhere.
+const btCollisionObject* qcSweptMultiBody::ColliderOf(int link) const
 {
-    std::vector<btTransform> places;
-    for (size_t i = 0; i < size_t(m_body.getNumLinks()) + 1; i++)
+    const btMultiBodyLinkCollider* collider = link < 0 ? m_body.getBaseCollider() : m_body.getLinkCollider(link);
+    return collider != nullptr && collider->getCollisionShape() != nullptr ? collider : nullptr;
+}
+
+qcSweptMultiBody::Places qcSweptMultiBody::ReadColliders() const
+{
+    Places places;
+    for (int link = -1; link < m_body.getNumLinks(); link++)
     {
-        const btMultiBodyLinkCollider* collider = ColliderOf(m_body, i);
+        const btCollisionObject* collider = ColliderOf(link);
         places.push_back(collider != nullptr ? collider->getWorldTransform() : btTransform::getIdentity());
     }
     return places;
 }
 
-/// Where a step by the present velocities takes all colliders. The joints are back at the target.
-std::vector<btTransform> qcSweptMultiBody::StepFrom(const qcJointPositions& from, btScalar timeStep,
-                                                    qcJointPositions* end)
+/// The colliders where the joints have these positions. Joints and colliders return to the target.
+qcSweptMultiBody::Places qcSweptMultiBody::PlacesAt(const qcJointPositions& joints)
 {
-    from.Restore(&m_body);
-    m_body.stepPositionsMultiDof(timeStep);
-    qcMoveColliders(&m_body);
-    *end = qcJointPositions(m_body);
-    std::vector<btTransform> places = ReadColliders();
+    joints.Restore(&m_body);
+    Places places = ReadColliders();
     m_target.Restore(&m_body);
     return places;
+}
+
+/// Where a step by the present velocities takes the joints. They return to the target.
+qcJointPositions qcSweptMultiBody::StepFrom(const qcJointPositions& from, btScalar timeStep)
+{
+    from.Set(&m_body);
+    m_body.stepPositionsMultiDof(timeStep);
+    qcJointPositions end(m_body);
+    m_target.Set(&m_body);
+    return end;
+}
+
+/// Half the length of all links in a row.
+btScalar qcSweptMultiBody::HalfSize() const
+{
+    btScalar sum = 0;
+    ForEachCollider([&sum](const btCollisionObject* collider) { sum += qcHalfSize(collider->getCollisionShape()); });
+    return sum;
+}
+
+/// The largest displacement of a point of a link.
+btScalar qcSweptMultiBody::LargestDisplacement(const Places& from, const Places& to) const
+{
+    btScalar largest = 0;
+    for (size_t i = 0; i < from.size(); i++)
+        if (const btCollisionObject* collider = ColliderOf(int(i) - 1))
+            largest = std::max(
+                largest, qcDisplacementBound(from[i], to[i], collider->getCollisionShape()->getAngularMotionDisc()));
+    return largest;
+}
+
+/// True if the target is where the velocities were to take the joints, or about there: the solver may correct more than
+/// velocities.
+bool qcSweptMultiBody::IsExplained(const qcJointPositions& expected)
+{
+    if (expected.DistanceTo(m_target, 2 * HalfSize()) <= gContactBreakingThreshold)
+        return true;
+    const Places places = PlacesAt(expected);
+    return AreFinite(places) && LargestDisplacement(places, m_targets) <=
+                                    gContactBreakingThreshold + LargestDisplacement(m_records, m_targets) / 2;
+}
+
+void qcSweptMultiBody::FindStart(btScalar timeStep)
+{
+    if (m_records.size() == m_targets.size())
+    {
+        m_start = m_recorded;
+        m_starts = m_records;
+        if (AreAllSame(m_records, m_targets))
+            return;
+        // What the application moves, such as a base, has moved there, or was put there.
+        const qcJointPositions placed = m_recorded.Towards(m_target, 0, m_body);
+        if (IsExplained(StepFrom(placed, timeStep)))
+        {
+            if (placed.DistanceTo(m_recorded, 1) == 0)
+                return;
+            const Places places = PlacesAt(placed);
+            if (LargestDisplacement(m_records, places) <= HalfSize())
+                return;
+            m_start = placed;
+            m_starts = places;
+            return;
+        }
+    }
+    m_start = StepFrom(m_target, -timeStep);
+    m_starts = PlacesAt(m_start);
 }
 
 void qcSweptMultiBody::ReadMotion(btScalar timeStep)
 {
     ReadTarget();
     m_wasStopped = m_isStopped;
-    m_isStopped = m_hasStart = false;
-    if (!IsDynamic(m_body) || AreAllSame(m_records, m_targets))
-        return;
-    qcJointPositions stepped = m_target;
-    if (m_records.size() == m_targets.size())
-    {
-        // What the application moves, such as a base, has moved there, or was put there.
-        const qcJointPositions placed = m_recorded.Towards(m_target, 0, m_body);
-        const std::vector<btTransform> places = StepFrom(placed, 0, &stepped);
-        const bool hasMoved = LargestDisplacement(m_body, m_records, places) <= HalfSizeOf(m_body);
-        const std::vector<btTransform> expected = StepFrom(placed, timeStep, &stepped);
-        // The solver may correct more than velocities.
-        m_hasStart = LargestDisplacement(m_body, expected, m_targets) <=
-                     gContactBreakingThreshold + LargestDisplacement(m_body, m_records, m_targets) / 2;
-        m_start = hasMoved ? m_recorded : placed;
-        m_starts = hasMoved ? m_records : places;
-    }
-    if (!m_hasStart)
-    {
-        m_starts = StepFrom(m_target, -timeStep, &m_start);
-        m_hasStart = LargestDisplacement(m_body, m_starts, m_targets) > 0;
-    }
+    m_isStopped = false;
+    m_hasStart = IsMoved(m_body) && AreFinite(m_targets);
+    if (m_hasStart)
+        FindStart(timeStep);
 }
 
 void qcSweptMultiBody::ReadTarget()
 {
     m_target = qcJointPositions(m_body);
     m_targets = ReadColliders();
-    m_targetMoment = MomentOf(m_body);
+    m_hasMoment = false;
     m_members.clear();
     m_motion.reset();
     m_fraction = 1;
     m_isMoved = true;
 }
 
+bool qcSweptMultiBody::IsAtRecord() const
+{
+    return m_records.empty() || AreAllSame(ReadColliders(), m_records);
+}
+
+bool qcSweptMultiBody::IsDynamic(int link) const
+{
+    return m_hasStart && size_t(link + 1) < m_starts.size() &&
+           (link < 0 ? !m_body.isBaseStaticOrKinematic() : !m_body.isLinkAndAllAncestorsStaticOrKinematic(link));
+}
+
+bool qcSweptMultiBody::HasMoved(int link) const
+{
+    return !qcAreSame(m_starts[size_t(link + 1)], m_targets[size_t(link + 1)]);
+}
+
 void qcSweptMultiBody::Add(qcSweptObject* swept)
 {
-    m_members.push_back({swept, 0, swept->end});
+    // A compound is read as a mesh, and again as convex shapes.
+    const bool isKnown = std::any_of(m_members.begin(), m_members.end(),
+                                     [swept](const Member& member) { return member.swept == swept; });
+    if (!isKnown)
+        m_members.push_back({swept, 0, swept->end});
 }
 
 /// The motion of all members by pushes, which starts at the target.
@@ -219,7 +269,10 @@ void qcSweptMultiBody::Push(const qcSweptObject& link, const btVector3& arm, con
 
 void qcSweptMultiBody::CommitPushes()
 {
-    if (m_motion == nullptr || !m_motion->Commit())
+    if (m_motion == nullptr)
+        return;
+    KeepMoment();
+    if (!m_motion->Commit())
         return;
     m_isStopped = true;
     m_target = qcJointPositions(m_body);
@@ -249,6 +302,16 @@ void qcSweptMultiBody::RecordEnd()
 {
     m_recorded = qcJointPositions(m_body);
     m_records = ReadColliders();
+    if (!AreFinite(m_records))
+        m_records.clear();
+}
+
+/// Before the joints leave the target.
+void qcSweptMultiBody::KeepMoment()
+{
+    if (!m_hasMoment)
+        m_targetMoment = MomentOf(m_body);
+    m_hasMoment = true;
 }
 
 bool qcSweptMultiBody::CutTo(btScalar part)
@@ -266,12 +329,15 @@ void qcSweptMultiBody::Move()
     if (m_isMoved)
         return;
     m_isMoved = true;
+    KeepMoment();
     m_start.Towards(m_target, m_fraction, m_body).Restore(&m_body);
     ReadEnds();
 }
 
 void qcSweptMultiBody::UpdateVelocities(const btVector3& gravity)
 {
+    if (!m_hasMoment)
+        return;
     const btScalar lost = gravity.dot(m_targetMoment - MomentOf(m_body)), energy = KineticEnergyOf(m_body);
     if (lost > 0 && energy > 0)
         ScaleVelocities(&m_body, btSqrt(std::max(1 - lost / energy, btScalar(0))));

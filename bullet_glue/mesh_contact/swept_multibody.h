@@ -16,24 +16,25 @@ class qcSweptMultiBody
     {
     }
 
-    /// Finds the start of the step that ends now: the end of the previous one if the velocities have moved the joints
-    /// from there since. If not, or if it is new, the application has put it elsewhere, and it starts where the
-    /// velocities took it from. Then does what ReadTarget does.
+    /// Does what ReadTarget does, and finds the start of the step that ends now: the end of the previous one if the
+    /// velocities have moved the joints from there since, up to 2 cm and half of the motion. If not, or if it is new,
+    /// the application has put it elsewhere, and it starts where the velocities took it from. O(joints).
     void ReadMotion(btScalar timeStep);
     /// Reads where the joints are as the target, which is reached in full.
     void ReadTarget();
     /// The next step starts where the joints are.
     void RecordEnd();
-    /// False for one that Bullet has not moved.
-    bool CanBeCut() const
-    {
-        return m_hasStart;
-    }
-    /// Where the collider of a link, -1 for the base, starts the step. For one that can be cut.
+    /// True if the colliders are where RecordEnd has seen them.
+    bool IsAtRecord() const;
+    /// True for a link, -1 for the base, that joints move, of a multibody whose start is known.
+    bool IsDynamic(int link) const;
+    /// Where the collider of such a link starts the step.
     const btTransform& StartOf(int link) const
     {
         return m_starts[size_t(link + 1)];
     }
+    /// True if such a link has moved in the step.
+    bool HasMoved(int link) const;
     /// Takes part with a link, whose end follows its motion until the next step.
     void Add(qcSweptObject* swept);
     /// True if planes push it: where it was stopped in the previous step, too. The first time it is cut back: planes at
@@ -57,13 +58,28 @@ class qcSweptMultiBody
     }
     /// Makes no more than this part of the motion from now on. False: it makes no more already.
     bool CutTo(btScalar part);
+    /// Moves the joints and all colliders to the start of the step.
+    void ReturnToStart()
+    {
+        m_start.Restore(&m_body);
+    }
     /// Moves the joints, all colliders and the ends to where that part ends.
     void Move();
-    /// If it was pushed or cut: slows it down by what gravity has given it for the part of a fall that it doesn't make,
-    /// so that it gains no energy.
+    /// If it was pushed or cut: slows down all joints by what gravity has given it for the part of a fall that it
+    /// doesn't make, so that it gains no energy.
     void UpdateVelocities(const btVector3& gravity);
-
-    uint64_t step = 0; ///< the last one that found it in the world
+    /// True if it was pushed or cut since ReadTarget.
+    bool IsLimited() const
+    {
+        return m_hasMoment;
+    }
+    /// Calls function(collider) for each link that has one.
+    template <typename Function> void ForEachCollider(Function function) const
+    {
+        for (int link = -1; link < m_body.getNumLinks(); link++)
+            if (const btCollisionObject* collider = ColliderOf(link))
+                function(collider);
+    }
 
   private:
     /// A link that takes part.
@@ -74,16 +90,27 @@ class qcSweptMultiBody
         btTransform before; ///< the end without the pushes since CommitPushes
     };
 
-    std::vector<btTransform> ReadColliders() const;
-    std::vector<btTransform> StepFrom(const qcJointPositions& from, btScalar timeStep, qcJointPositions* end);
+    using Places = std::vector<btTransform>; ///< of the colliders, the base first
+
+    const btCollisionObject* ColliderOf(int link) const;
+    Places ReadColliders() const;
+    Places PlacesAt(const qcJointPositions& joints);
+    qcJointPositions StepFrom(const qcJointPositions& from, btScalar timeStep);
+    btScalar HalfSize() const;
+    btScalar LargestDisplacement(const Places& from, const Places& to) const;
+    bool IsExplained(const qcJointPositions& expected);
+    void FindStart(btScalar timeStep);
+    void KeepMoment();
     qcMultiBodyMotion& Motion();
     size_t IndexOf(const qcSweptObject& link);
     void ReadEnds();
 
     btMultiBody& m_body;
     qcJointPositions m_start, m_target, m_recorded;
-    std::vector<btTransform> m_starts, m_targets, m_records; ///< of the colliders, the base first
-    btVector3 m_targetMoment{0, 0, 0};                       ///< sum of masses times places, at the target
+    Places m_starts, m_targets;
+    Places m_records;                  ///< none: they were not finite, or it is new
+    btVector3 m_targetMoment{0, 0, 0}; ///< sum of masses times places, at the target
+    bool m_hasMoment = false;
     std::vector<Member> m_members;
     std::unique_ptr<qcMultiBodyMotion> m_motion; ///< null: no push needs it yet
     bool m_hasStart = false, m_isMoved = true;

@@ -9,7 +9,7 @@
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
-#include <BulletDynamics/Dynamics/btDynamicsWorld.h>
+#include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 #include <LinearMath/btAabbUtil2.h>
 #include <LinearMath/btTransformUtil.h>
@@ -248,35 +248,40 @@ void qcSweptObjects::FindFloors(qcSweptObject* swept) const
     }
 }
 
-/// The multibody of a link whose motion can be cut, or null.
+/// The multibody of a link that its joints move, or null.
 qcSweptMultiBody* qcSweptObjects::FindMultiBody(const btCollisionObject* object) const
 {
     const btMultiBodyLinkCollider* link = m_multibodies.empty() ? nullptr : qcAsLink(object);
     auto found = link != nullptr ? m_multibodies.find(link->m_multiBody) : m_multibodies.end();
-    return found != m_multibodies.end() && found->second->CanBeCut() ? found->second.get() : nullptr;
+    return found != m_multibodies.end() && found->second->IsDynamic(link->m_link) ? found->second.get() : nullptr;
 }
 
-/// Reads the motions of the multibodies in a world with meshes.
-void qcSweptObjects::ReadMultiBodies(btScalar timeStep)
+/// Forgets multibodies that the world steps no more, without a look at them. `adds`: new ones are added.
+void qcSweptObjects::FindMultiBodies(bool adds)
 {
-    btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
-    bool anyMesh = false;
-    for (int i = 0; i < objects.size() && !anyMesh; i++)
-        anyMesh = qcMayHoldMeshes(objects[i]->getCollisionShape());
-    for (int i = 0; anyMesh && i < objects.size(); i++)
+    auto* world = dynamic_cast<btMultiBodyDynamicsWorld*>(m_settings.world);
+    const int count = world != nullptr ? world->getNumMultibodies() : 0;
+    std::unordered_map<const btMultiBody*, std::unique_ptr<qcSweptMultiBody>> present;
+    for (int i = 0; i < count; i++)
     {
-        const btMultiBodyLinkCollider* link = qcAsLink(objects[i]);
-        if (link == nullptr)
-            continue;
-        std::unique_ptr<qcSweptMultiBody>& entry = m_multibodies[link->m_multiBody];
-        if (entry == nullptr)
-            entry = std::make_unique<qcSweptMultiBody>(*link->m_multiBody);
-        if (entry->step != m_step + 1)
-            entry->ReadMotion(timeStep);
-        entry->step = m_step + 1;
+        btMultiBody* body = world->getMultiBody(i);
+        auto known = m_multibodies.find(body);
+        if (known != m_multibodies.end())
+            present[body] = std::move(known->second);
+        else if (adds)
+            present[body] = std::make_unique<qcSweptMultiBody>(*body);
     }
-    for (auto entry = m_multibodies.begin(); entry != m_multibodies.end();)
-        entry = entry->second->step != m_step + 1 ? m_multibodies.erase(entry) : std::next(entry);
+    m_multibodies.swap(present);
+}
+
+void qcSweptObjects::ReturnMultiBody(const btCollisionObject* link, std::vector<const btCollisionObject*>* moved)
+{
+    FindMultiBodies(false);
+    qcSweptMultiBody* multibody = FindMultiBody(link);
+    if (multibody == nullptr)
+        return;
+    multibody->ReturnToStart();
+    multibody->ForEachCollider([moved](const btCollisionObject* collider) { moved->push_back(collider); });
 }
 
 void qcSweptObjects::CommitMultiBodies()
@@ -293,10 +298,8 @@ void qcSweptObjects::MoveMultiBodies()
 
 void qcSweptObjects::UpdateMultiBodies() const
 {
-    const auto* dynamics = dynamic_cast<const btDynamicsWorld*>(m_settings.world);
     for (const auto& [body, multibody] : m_multibodies)
-        if (dynamics != nullptr)
-            multibody->UpdateVelocities(dynamics->getGravity());
+        multibody->UpdateVelocities(static_cast<btMultiBodyDynamicsWorld*>(m_settings.world)->getGravity());
 }
 
 /// Upper bound of the motion of a dynamic body or a link against the meshes near it, in a step.
@@ -344,8 +347,14 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
     swept.step = m_step;
     swept.body = DynamicBody(object);
     swept.multibody = FindMultiBody(object);
+    swept.isDynamic = swept.body != nullptr || swept.multibody != nullptr;
     if (swept.multibody != nullptr)
-        swept.start = swept.multibody->StartOf(qcAsLink(object)->m_link);
+    {
+        const int link = qcAsLink(object)->m_link;
+        swept.start = swept.multibody->StartOf(link);
+        if (!swept.multibody->HasMoved(link))
+            swept.multibody = nullptr;
+    }
     ReadShape(&swept, m_settings.gimpact);
     ReadTriangles(&swept, scene);
     swept.hull = swept.Deforms() ? nullptr : m_axes.FindMesh(object);
@@ -376,9 +385,20 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
 
 bool qcSweptObjects::ReadTargets(qcScene* scene)
 {
+    FindMultiBodies(false);
     for (auto& [body, multibody] : m_multibodies)
         multibody->ReadTarget();
-    return ReadObjects(scene);
+    const bool anyMoved = ReadObjects(scene);
+    // Convex shapes that soft bodies have made fast start where their velocities have taken them from.
+    for (qcSweptObject* swept : m_sorted)
+        if (swept->isNew && swept->cores != nullptr && swept->body != nullptr)
+        {
+            btTransformUtil::integrateTransform(swept->target, swept->body->getLinearVelocity(),
+                                                swept->body->getAngularVelocity(), -m_timeStep, swept->start);
+            swept->carried = swept->start;
+            swept->FindTravel();
+        }
+    return anyMoved;
 }
 
 bool qcSweptObjects::ReadObjects(qcScene* scene)
@@ -389,7 +409,7 @@ bool qcSweptObjects::ReadObjects(qcScene* scene)
     size_t present = 0;
     btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
     // Meshes first: how far they move decides which convex shapes may pass one.
-    bool anyOurs = false;
+    m_anyOurs = false;
     m_movingMeshes.clear();
     m_notFinite = nullptr;
     for (int i = 0; i < objects.size(); i++)
@@ -403,13 +423,13 @@ bool qcSweptObjects::ReadObjects(qcScene* scene)
             present++;
             qcSweptObject& swept = ReadTarget(objects[i], false, scene);
             anyMoved = anyMoved || !qcAreSame(swept.start, swept.target);
-            anyOurs = anyOurs || swept.isOurs;
+            m_anyOurs = m_anyOurs || swept.isOurs;
             if (!swept.isOurs || swept.travel <= s_slowMotion * gContactBreakingThreshold)
                 continue;
             swept.FindBox();
             m_movingMeshes.push_back(&swept);
         }
-    for (int i = 0; anyOurs && i < objects.size(); i++)
+    for (int i = 0; m_anyOurs && i < objects.size(); i++)
         if (qcIsFinite(*objects[i]) && TakesCores(objects[i]))
         {
             present += !qcMayHoldMeshes(objects[i]->getCollisionShape());
@@ -424,7 +444,8 @@ bool qcSweptObjects::ReadObjects(qcScene* scene)
 /// A new origin of the world moves all objects by one translation, and none against another.
 qcSweptObjects::Shift qcSweptObjects::FindCommonShift() const
 {
-    constexpr btScalar rounding = 8 * SIMD_EPSILON;
+    // Bullet computes the places of links along their chain.
+    constexpr btScalar rounding = 8 * SIMD_EPSILON, roundingOfLink = 64 * SIMD_EPSILON;
     Shift shift;
     const qcSweptObject* first = nullptr;
     for (const qcSweptObject* swept : m_sorted)
@@ -432,15 +453,16 @@ qcSweptObjects::Shift qcSweptObjects::FindCommonShift() const
         if (swept->isNew)
             continue;
         const btVector3 &from = swept->last.getOrigin(), &to = swept->start.getOrigin();
-        shift.error = std::max(shift.error, rounding * (from.length() + to.length()));
-        if (first == nullptr && swept->body != nullptr)
+        const bool isLink = swept->isDynamic && swept->body == nullptr;
+        shift.error = std::max(shift.error, (isLink ? roundingOfLink : rounding) * (from.length() + to.length()));
+        if (first == nullptr && swept->isDynamic)
         {
             first = swept;
             shift.by = to - from;
         }
     }
     for (const qcSweptObject* swept : m_sorted)
-        if (swept->body != nullptr && !swept->isNew && !shift.IsOf(swept->last, swept->start))
+        if (swept->isDynamic && !swept->isNew && !shift.IsOf(swept->last, swept->start))
             return Shift();
     return shift;
 }
@@ -462,7 +484,13 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
     EndDeformations();
     m_timeStep = timeStep;
     m_cores.BeginStep();
-    ReadMultiBodies(timeStep);
+    const btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
+    bool anyMesh = false;
+    for (int i = 0; i < objects.size() && !anyMesh; i++)
+        anyMesh = qcMayHoldMeshes(objects[i]->getCollisionShape());
+    FindMultiBodies(anyMesh);
+    for (auto& [body, multibody] : m_multibodies)
+        multibody->ReadMotion(timeStep);
     ReadObjects(scene);
     for (qcSweptObject* swept : m_sorted)
     {
@@ -572,14 +600,19 @@ qcSweptObject* qcSweptObjects::Find(const btCollisionObject* object) const
     return found != m_objects.end() ? found->second.get() : nullptr;
 }
 
-bool qcSweptObjects::AreAtEnds() const
+bool qcSweptObjects::AreAtEnds()
 {
+    FindMultiBodies(false);
+    for (const auto& [body, multibody] : m_multibodies)
+        if (!multibody->IsAtRecord())
+            return false;
     const btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
     for (int i = 0; i < objects.size(); i++)
     {
-        if (!qcMayHoldMeshes(objects[i]->getCollisionShape()) || !qcIsFinite(*objects[i]))
-            continue;
         const qcSweptObject* swept = Find(objects[i]);
+        if (!qcIsFinite(*objects[i]) || !(swept != nullptr || qcMayHoldMeshes(objects[i]->getCollisionShape()) ||
+                                          (m_anyOurs && TakesCores(objects[i]))))
+            continue;
         if (swept == nullptr || !qcAreSame(swept->next, objects[i]->getWorldTransform()))
             return false;
     }

@@ -27,7 +27,8 @@ struct qcSweptObject
 {
     btCollisionObject* object = nullptr;
     btRigidBody* body = nullptr;           ///< null: no rigid body that Bullet moves
-    qcSweptMultiBody* multibody = nullptr; ///< of a link whose motion can be cut
+    qcSweptMultiBody* multibody = nullptr; ///< of a link that has moved, so that its motion can be cut
+    bool isDynamic = false;                ///< Bullet moves it: `body`, or a link of a multibody
     uint32_t number = 0;                   ///< in the order in which objects entered the world; see qcIdCounter
     uint32_t index = 0;                    ///< in the present list of objects
     uint64_t step = 0;                     ///< the last update that found the object in the world
@@ -153,6 +154,8 @@ class qcSweptObjects
     void CommitMultiBodies();
     /// Moves multibodies whose motion was cut since the last call.
     void MoveMultiBodies();
+    /// Returns the multibody of a link to the start of the step, if that is known. Appends all its links to `moved`.
+    void ReturnMultiBody(const btCollisionObject* link, std::vector<const btCollisionObject*>* moved);
     /// Adapts the velocities of multibodies whose motion was cut.
     void UpdateMultiBodies() const;
     /// The pairs that collide and whose boxes overlap; at least one of the two moves, and one is not isUnmoved.
@@ -160,7 +163,14 @@ class qcSweptObjects
     /// The next step starts at the present transforms.
     void RecordEnds();
     /// True if all objects in the world that are finite are where RecordEnds has seen them.
-    bool AreAtEnds() const;
+    bool AreAtEnds();
+    /// Calls function(object) for all links of multibodies that were pushed or cut since ReadTargets.
+    template <typename Function> void ForEachLimitedLink(Function function) const
+    {
+        for (const auto& [body, multibody] : m_multibodies)
+            if (multibody->IsLimited())
+                multibody->ForEachCollider(function);
+    }
     /// The entry of an object in the world, or null.
     qcSweptObject* Find(const btCollisionObject* object) const;
 
@@ -195,7 +205,7 @@ class qcSweptObjects
     bool TakesCores(const btCollisionObject* object);
     qcSweptObject& ReadTarget(btCollisionObject* object, bool takesCores, qcScene* scene);
     bool ReadObjects(qcScene* scene);
-    void ReadMultiBodies(btScalar timeStep);
+    void FindMultiBodies(bool adds);
     qcSweptMultiBody* FindMultiBody(const btCollisionObject* object) const;
     void FindPlanes();
     void FindFloors(qcSweptObject* swept) const;
@@ -209,6 +219,7 @@ class qcSweptObjects
     std::vector<const qcSweptObject*> m_movingMeshes; ///< of those whose contact is computed here
     const btCollisionObject* m_notFinite = nullptr;
     size_t m_coreCount = 0; ///< objects whose convex shapes are swept
+    bool m_anyOurs = false; ///< there is an object whose contact is computed here
     std::unordered_map<qcObjectKey, std::unique_ptr<qcSweptObject>, qcObjectKeyHash> m_objects;
     std::vector<qcSweptObject*> m_sorted;
     std::unordered_map<const btMultiBody*, std::unique_ptr<qcSweptMultiBody>> m_multibodies;

@@ -482,7 +482,7 @@ std::vector<const btCollisionObject*> qcSoftBodyContact::Implementation::Unprove
     ForEachUnprovenObject(
         [&objects](const qcSceneRigid& rigid)
         {
-            if (rigid.body != nullptr && !qcAreSame(rigid.object->getWorldTransform(), rigid.start))
+            if (rigid.CanMove() && !qcAreSame(rigid.object->getWorldTransform(), rigid.start))
                 objects.push_back(rigid.object);
         });
     return objects;

@@ -303,11 +303,11 @@ START_TEST(fingers_lift_a_cloth_that_they_press_against_a_board)
 }
 END_TEST
 
-/// An arm of three links with strong motors, over the origin.
+/// An arm of three links with strong motors, over the origin. The links are boxes of Bullet's, or meshes.
 class RandomArm
 {
   public:
-    RandomArm(qcMultiBodyWorld& world, qcRandomNumbers& random)
+    RandomArm(qcMultiBodyWorld& world, qcRandomNumbers& random, bool hasMeshes = false)
         : m_world(world.World()), m_robot(world, 3, 0, btVector3(1, 1, 1), true)
     {
         const btVector3 half(btScalar(0.15), btScalar(0.03), btScalar(0.02)), end(btScalar(0.15), 0, 0);
@@ -322,8 +322,14 @@ class RandomArm
         // A static base takes nothing from its arm.
         m_robot.AddBox(-1, btVector3(btScalar(0.05), btScalar(0.05), btScalar(0.05)))
             ->setCollisionFlags(btCollisionObject::CF_STATIC_OBJECT);
+        if (hasMeshes)
+            m_mesh = qcBoxModel(half, 2).MakeShape();
         for (int link = 0; link < 3; link++)
-            m_robot.AddBox(link, half);
+        {
+            btMultiBodyLinkCollider* collider = m_robot.AddBox(link, half);
+            if (hasMeshes)
+                collider->setCollisionShape(m_mesh.get());
+        }
         for (int link = 0; link < 3; link++)
         {
             m_motors.emplace_back(new btMultiBodyJointMotor(&m_robot.Body(), link, 0, 20));
@@ -353,6 +359,7 @@ class RandomArm
 
   private:
     btMultiBodyDynamicsWorld& m_world;
+    std::unique_ptr<qcMeshShape> m_mesh;
     qcRobot m_robot;
     std::vector<std::unique_ptr<btMultiBodyJointMotor>> m_motors;
     btScalar m_next = 0;
@@ -387,7 +394,7 @@ END_TEST
 
 START_TEST(random_arms_between_a_cloth_and_a_thin_mesh_pass_neither)
 {
-    const qcModel plate = qcBoxModel(btVector3(btScalar(0.01), btScalar(0.4), 2), 4);
+    const qcModel plate = qcBoxModel(btVector3(2, btScalar(0.4), btScalar(0.01)), 4);
     const std::unique_ptr<qcMeshShape> shape = plate.MakeShape();
     for (unsigned start = 1; start <= (qcIsLongForm() ? 100u : 3u); start++)
     {
@@ -398,16 +405,15 @@ START_TEST(random_arms_between_a_cloth_and_a_thin_mesh_pass_neither)
         const btSoftBody* cloth = world->AddCloth(btScalar(0.05), false);
         const qcFixedBox floor(*world, btVector3(5, 1, 5), btVector3(0, -1, 0));
         btRigidBody wall(0, nullptr, shape.get());
-        wall.setWorldTransform(btTransform(s_upright, btVector3(btScalar(0.6), btScalar(0.55), 0)));
+        wall.setWorldTransform(btTransform(s_upright, btVector3(0, btScalar(0.55), btScalar(0.3))));
         world->World().addRigidBody(&wall);
         {
-            RandomArm arm(*world, random);
+            RandomArm arm(*world, random, true);
             qcMotionOracle withCloth, withWall;
             withCloth.Add([cloth] { return qcWorldMeshOf(cloth); });
             arm.Robot().Watch(withCloth, btScalar(1e-6));
             withWall.Add(plate, &wall);
-            // Inside of the links' cores.
-            arm.Robot().Watch(withWall, btScalar(0.015));
+            arm.Robot().Watch(withWall, btScalar(1e-6));
             for (btScalar time = 0; time < 3; time += world->TimeStep())
             {
                 arm.Drive(time, 40, random);
@@ -415,6 +421,43 @@ START_TEST(random_arms_between_a_cloth_and_a_thin_mesh_pass_neither)
                 ck_assert_uint_eq(withWall.Count(), 0);
                 ck_assert_int_eq(meshes.getStatistics().unproven, 0);
             }
+        }
+        world->World().removeRigidBody(&wall);
+    }
+}
+END_TEST
+
+START_TEST(a_heavy_cloth_pushes_a_resting_link_through_no_mesh)
+{
+    const qcModel plate = qcBoxModel(btVector3(2, btScalar(0.01), 2), 4);
+    const btVector3 half(btScalar(0.3), btScalar(0.03), btScalar(0.3));
+    const std::unique_ptr<qcMeshShape> shape = plate.MakeShape(), mesh = qcBoxModel(half, 2).MakeShape();
+    for (bool isMesh : {false, true})
+    {
+        std::unique_ptr<qcMultiBodyWorld> world = qcMakeMultiBodyWorld(_i != 0, s_none);
+        qcMeshContact meshes;
+        meshes.addTo(&world->World());
+        btRigidBody wall(0, nullptr, shape.get());
+        wall.setWorldTransform(btTransform(s_upright, btVector3(0, btScalar(-0.15), 0)));
+        world->World().addRigidBody(&wall);
+        btSoftBody* cloth = world->AddCloth(btScalar(0.3), false);
+        cloth->setTotalMass(50);
+        cloth->setVelocity(btVector3(0, -20, 0));
+        {
+            qcRobot robot(*world, 0, btScalar(0.5), half, false);
+            robot.Finish();
+            btMultiBodyLinkCollider* link = robot.AddBox(-1, half);
+            if (isMesh)
+                link->setCollisionShape(mesh.get());
+            int limited = 0;
+            for (int step = 0; step < 20; step++)
+            {
+                world->Step();
+                limited += meshes.getStatistics().limited;
+                ck_assert_int_eq(meshes.getStatistics().unproven, 0);
+                ck_assert_double_gt(double(link->getWorldTransform().getOrigin().y()), -0.15);
+            }
+            ck_assert_int_gt(limited, 0);
         }
         world->World().removeRigidBody(&wall);
     }
@@ -650,6 +693,7 @@ QC_TEST_MAIN()
                                 fingers_lift_a_cloth_that_they_press_against_a_board,
                                 random_arms_that_strike_a_cloth_on_the_floor_pass_nothing,
                                 random_arms_between_a_cloth_and_a_thin_mesh_pass_neither,
+                                a_heavy_cloth_pushes_a_resting_link_through_no_mesh,
                                 a_wedge_that_leaves_cloth_no_room_jams,
                                 a_slider_that_presses_cloth_on_a_floor_is_not_thrown_back,
                                 links_that_pushes_swing_into_another_cloth_do_not_pass_it,
