@@ -167,7 +167,7 @@ struct qcMeshContactStatistics
     const char* fallback = nullptr; ///< why another method than the requested one ran, or null
     int planes = 0;                 ///< pairs of small meshes, near and far, whose contact is found by a plane between
     int moments = 0;                ///< times within the step at which fast bodies were sampled
-    int limited = 0;                ///< bodies that the limits of the last step have moved
+    int limited = 0;                ///< bodies, and links near meshes, that the limits of the last step have moved
     int unproven = 0;               ///< pairs of objects that could not be kept apart in the last step
     double limitMs = 0;             ///< milliseconds of certifying the last step's motions
     double gatherMs = 0;            ///< milliseconds of reading from Bullet
@@ -222,7 +222,8 @@ struct qcMeshContactStatistics
 /// one with a vertex that is further away than half its diagonal is put elsewhere. Convex shapes of dynamic bodies, in
 /// compounds too, pass no qcMeshShape either: in steps in which such a body moves against the mesh by more than half of
 /// its half width, a polyhedron inside of each shape, of nine tenths of its size, is limited like a mesh. Slower ones
-/// have Bullet's contact alone. On a btStaticPlaneShape contact alone holds meshes: those that land fast, spin fast or
+/// have Bullet's contact alone. Links of a btMultiBody that the world steps are limited with meshes and with convex
+/// shapes, against all but other links of the same one: the motion of its joints is cut back. On a btStaticPlaneShape contact alone holds meshes: those that land fast, spin fast or
 /// lie under a heap may sink in before it pushes them out.
 ///
 /// Rest: as long as no two points of a pair have moved against each other by 3 % of both thresholds, its contact points

@@ -12,18 +12,14 @@ typedef enum qcLayersWork
     /// qc_boxesOfNode a node: triangles, clusters, the node; then one an active node. For the image: qcBox8, a cluster
     /// each
     qc_workBoxes = qc_layersInputCount,
-    qc_workClusterBoxes, ///< for the image only
-    qc_workNodeBoxes,    ///< for the image only: of all nodes, then a qcBox8 a node, boxes of its clusters
-    qc_workEntries,      ///< for the image only: qcLayersEntry
-                    /// For pairs, and all that follow: two nodes, their pair masks. Once these have been read, buckets
-                    /// of pairs of triangles.
-    qc_workNodePairs,
+    qc_workClusterBoxes,  ///< for the image only
+    qc_workNodeBoxes,     ///< for the image only: of all nodes, then a qcBox8 a node, boxes of its clusters
+    qc_workEntries,       ///< for the image only: qcLayersEntry
+    qc_workNodePairs,     ///< for pairs, and all that follow: two nodes, their pair masks; later buckets of results
     qc_workTrianglePairs, ///< two slots each
     qc_workResults,       ///< a copy of the counters, then pairs of triangles, as in qcLayersAnswer
-                    /// qc_counterWords of counters, then for the image by cell its first entry, for pairs by tile its
-                    /// box, and by bucket its number of pairs.
-    qc_workLists,
-    qc_workStep, ///< for pairs: a copy of the step's bodies and active nodes
+    qc_workLists, ///< counters; for the image by cell its first entry, for pairs by tile its box, by bucket its size
+    qc_workStep,  ///< for pairs: a copy of the step's bodies and active nodes
     qc_layersBufferCount
 } qcLayersWork;
 

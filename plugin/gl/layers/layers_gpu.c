@@ -25,8 +25,9 @@ enum
     // Calls for each job in device.c, beside those that are counted here: for errors.
     qc_callsOfJob = 1,
     qc_spareItems = 4096,
-    qc_nodePairBytes = 16, // of qc_workNodePairs
-                           // Words that an invocation of the first kernel resets or copies.
+    // Of qc_workNodePairs.
+    qc_nodePairBytes = 16,
+    // Words that an invocation of the first kernel resets or copies.
     qc_resetShare = 8,
     // Workgroups that compare tiles, where there are few tiles: a GPU of 132 multiprocessors runs half as many at a
     // time.
@@ -88,6 +89,7 @@ struct qcLayers
     qcLayersStream stream;
     qcLayersKernels kernels;
     Counters counters;                 ///< of the last run
+    uint32_t listRoom[list_count];     ///< elements of its buffer that a list has: buckets may need a larger one
     uint32_t bucketCount, bucketShift; ///< of the step; 0 buckets: pairs stay in no order
     uint32_t runNumber;                ///< of the last run; the last kernel writes it to `finished`
     GLsync fence;                      ///< of the run on the device; null: there is none
@@ -186,8 +188,7 @@ static size_t StepBytes(const qcLayersStep* step)
 /// The number of items that a list holds.
 static uint32_t ListCapacity(const qcLayers* layers, List list)
 {
-    size_t capacity = layers->buffers.capacity[s_lists[list]];
-    return capacity > s_reserved[list] ? (uint32_t)(capacity - s_reserved[list]) : 0;
+    return layers->listRoom[list] > s_reserved[list] ? layers->listRoom[list] - s_reserved[list] : 0;
 }
 
 static uint32_t CountOf(const qcLayers* layers, List list)
@@ -404,6 +405,22 @@ static void Submit(const struct qcGlFunctions* gl, qcLayers* layers)
     qcGl_KeepBindings(gl, layers);
 }
 
+static qcStatus ReserveElements(const struct qcGlFunctions* gl, qcLayers* layers, int buffer, size_t count)
+{
+    bool fits = count <= layers->buffers.capacity[buffer];
+    return fits ? qc_statusOk : qcLayersBuffers_Resize(gl, &layers->buffers, buffer, count);
+}
+
+/// Makes room for a list of `count` elements, and a quarter more if it grows.
+static qcStatus ReserveList(const struct qcGlFunctions* gl, qcLayers* layers, List list, size_t count)
+{
+    if (count <= layers->listRoom[list])
+        return qc_statusOk;
+    QC_TRY(ReserveElements(gl, layers, s_lists[list], count + count / 4));
+    layers->listRoom[list] = (uint32_t)(count + count / 4);
+    return qc_statusOk;
+}
+
 /// Makes room for the step, as far as its sizes are known beforehand.
 static qcStatus ReserveAll(const struct qcGlFunctions* gl, qcLayers* layers)
 {
@@ -421,11 +438,13 @@ static qcStatus ReserveAll(const struct qcGlFunctions* gl, qcLayers* layers)
     // Items per node that a folded cloth needs, and enough for most small scenes; one that needs more takes one more
     // run.
     static const size_t s_itemsPerNode[list_count] = {4, 12, 64, 8};
+    // Never empty: a block of a kernel needs a buffer.
     for (int list = 0; list < list_count; list++)
-        QC_TRY(qcLayersBuffers_Reserve(gl, b, s_lists[list],
-                                       HasList(layers, list) ? s_itemsPerNode[list] * nodes + qc_spareItems : 0));
-    return qcLayersBuffers_Reserve(gl, b, qc_workNodePairs,
-                                   (size_t)layers->bucketCount * qc_bucketSize * sizeof(uint64_t) / qc_nodePairBytes);
+        QC_TRY(ReserveList(gl, layers, (List)list,
+                           HasList(layers, list) ? s_itemsPerNode[list] * nodes + qc_spareItems : 1));
+    // At most 16 MiB, which each GL allows.
+    return ReserveElements(gl, layers, qc_workNodePairs,
+                           (size_t)layers->bucketCount * qc_bucketSize * sizeof(uint64_t) / qc_nodePairBytes);
 }
 
 static qcStatus SubmitStep(const struct qcGlFunctions* gl, qcLayers* layers)
@@ -482,7 +501,7 @@ static qcStatus GrowLists(const struct qcGlFunctions* gl, qcLayers* layers, bool
             return qcFail(qc_statusDevice, "layers: more than %d pairs in one list", qc_maxItems);
         if (count <= ListCapacity(layers, (List)list))
             continue;
-        QC_TRY(qcLayersBuffers_Resize(gl, &layers->buffers, s_lists[list], count + count / 4 + s_reserved[list] + 1));
+        QC_TRY(ReserveList(gl, layers, (List)list, (size_t)count + s_reserved[list] + 1));
         *again = true;
     }
     return qc_statusOk;

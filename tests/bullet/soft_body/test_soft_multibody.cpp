@@ -427,17 +427,28 @@ START_TEST(random_arms_between_a_cloth_and_a_thin_mesh_pass_neither)
 }
 END_TEST
 
-START_TEST(a_heavy_cloth_pushes_a_resting_link_through_no_mesh)
+/// What a heavy cloth pushes at a thin mesh.
+enum Pushed
+{
+    pushed_link,
+    pushed_linkWithMesh,
+    pushed_body,
+    pushed_kinds
+};
+
+START_TEST(a_heavy_cloth_pushes_what_rests_through_no_mesh)
 {
     const qcModel plate = qcBoxModel(btVector3(2, btScalar(0.01), 2), 4);
     const btVector3 half(btScalar(0.3), btScalar(0.03), btScalar(0.3));
     const std::unique_ptr<qcMeshShape> shape = plate.MakeShape(), mesh = qcBoxModel(half, 2).MakeShape();
-    for (bool isMesh : {false, true})
+    btBoxShape box(half);
+    for (int kind = 0; kind < pushed_kinds; kind++)
     {
         std::unique_ptr<qcMultiBodyWorld> world = qcMakeMultiBodyWorld(_i != 0, s_none);
         qcMeshContact meshes;
         meshes.addTo(&world->World());
-        btRigidBody wall(0, nullptr, shape.get());
+        btRigidBody wall(0, nullptr, shape.get()),
+            body(btScalar(0.5), nullptr, &box, qcRobot::InertiaOf(btScalar(0.5), half));
         wall.setWorldTransform(btTransform(s_upright, btVector3(0, btScalar(-0.15), 0)));
         world->World().addRigidBody(&wall);
         btSoftBody* cloth = world->AddCloth(btScalar(0.3), false);
@@ -446,21 +457,88 @@ START_TEST(a_heavy_cloth_pushes_a_resting_link_through_no_mesh)
         {
             qcRobot robot(*world, 0, btScalar(0.5), half, false);
             robot.Finish();
-            btMultiBodyLinkCollider* link = robot.AddBox(-1, half);
-            if (isMesh)
-                link->setCollisionShape(mesh.get());
+            const btCollisionObject* pushed = &body;
+            if (kind == pushed_body)
+                world->World().addRigidBody(&body);
+            else
+            {
+                btMultiBodyLinkCollider* link = robot.AddBox(-1, half);
+                if (kind == pushed_linkWithMesh)
+                    link->setCollisionShape(mesh.get());
+                pushed = link;
+            }
             int limited = 0;
             for (int step = 0; step < 20; step++)
             {
                 world->Step();
                 limited += meshes.getStatistics().limited;
                 ck_assert_int_eq(meshes.getStatistics().unproven, 0);
-                ck_assert_double_gt(double(link->getWorldTransform().getOrigin().y()), -0.15);
+                ck_assert_double_gt(double(pushed->getWorldTransform().getOrigin().y()), -0.15);
             }
             ck_assert_int_gt(limited, 0);
         }
+        if (kind == pushed_body)
+            world->World().removeRigidBody(&body);
         world->World().removeRigidBody(&wall);
     }
+}
+END_TEST
+
+/// Replaces a robot by a mesh in the third step.
+class Explosion : public btActionInterface
+{
+  public:
+    Explosion(qcMultiBodyWorld& world, std::unique_ptr<qcRobot>& robot, btRigidBody& debris)
+        : m_world(world.World()), m_robot(robot), m_debris(debris)
+    {
+        m_world.addAction(this);
+    }
+    ~Explosion() override
+    {
+        m_world.removeAction(this);
+    }
+    Explosion(const Explosion&) = delete;
+    Explosion& operator=(const Explosion&) = delete;
+
+    void updateAction(btCollisionWorld*, btScalar) override
+    {
+        if (++m_steps != 3)
+            return;
+        m_robot.reset();
+        m_world.addRigidBody(&m_debris);
+    }
+    void debugDraw(btIDebugDraw*) override
+    {
+    }
+
+  private:
+    btMultiBodyDynamicsWorld& m_world;
+    std::unique_ptr<qcRobot>& m_robot;
+    btRigidBody& m_debris;
+    int m_steps = 0;
+};
+
+START_TEST(a_robot_that_an_action_deletes_is_forgotten)
+{
+    const std::unique_ptr<qcMeshShape> shape = qcBoxModel(btVector3(2, btScalar(0.01), 2), 4).MakeShape();
+    std::unique_ptr<qcMultiBodyWorld> world = qcMakeMultiBodyWorld(_i != 0, s_gravity);
+    btRigidBody wall(0, nullptr, shape.get()), debris(1, nullptr, shape.get(), btVector3(1, 1, 1));
+    wall.setWorldTransform(btTransform(s_upright, btVector3(0, btScalar(-0.15), 0)));
+    debris.setWorldTransform(btTransform(s_upright, btVector3(9, 9, 0)));
+    std::unique_ptr<qcRobot> robot = std::make_unique<qcRobot>(*world, 2, btScalar(0.5), s_chainHalf, false);
+    SetUpChain(*robot, btVector3(9, 0, 0));
+    {
+        Explosion explosion(*world, robot, debris);
+        qcMeshContact meshes;
+        meshes.addTo(&world->World());
+        world->World().addRigidBody(&wall);
+        world->AddCloth(btScalar(0.3), false);
+        for (int step = 0; step < 6; step++)
+            world->Step();
+        ck_assert_ptr_null(robot.get());
+    }
+    world->World().removeRigidBody(&debris);
+    world->World().removeRigidBody(&wall);
 }
 END_TEST
 
@@ -693,7 +771,8 @@ QC_TEST_MAIN()
                                 fingers_lift_a_cloth_that_they_press_against_a_board,
                                 random_arms_that_strike_a_cloth_on_the_floor_pass_nothing,
                                 random_arms_between_a_cloth_and_a_thin_mesh_pass_neither,
-                                a_heavy_cloth_pushes_a_resting_link_through_no_mesh,
+                                a_heavy_cloth_pushes_what_rests_through_no_mesh,
+                                a_robot_that_an_action_deletes_is_forgotten,
                                 a_wedge_that_leaves_cloth_no_room_jams,
                                 a_slider_that_presses_cloth_on_a_floor_is_not_thrown_back,
                                 links_that_pushes_swing_into_another_cloth_do_not_pass_it,

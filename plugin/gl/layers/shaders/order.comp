@@ -1,7 +1,7 @@
 // A workgroup for each bucket orders its pairs of triangles, and writes them behind those of the buckets before it.
 layout(std430, binding = 5) readonly buffer Buckets { uvec2 inBuckets[]; };
 
-shared uvec2 pairs[BUCKET_SIZE];
+shared uvec2 pairs[BUCKET_SIZE], inOrder[BUCKET_SIZE];
 shared uint before; // pairs in the buckets before this one
 
 // Full buckets count the pairs for which they had no room, too.
@@ -38,7 +38,11 @@ void orderBucket(uint bucket, uint k)
         atomicAdd(before, sum);
     barrier();
     for (uint i = k; i < count; i += LOCAL_SIZE)
-        outResults[resultsAt + min(before + rankOf(i, count), survivorCapacity)] = pairs[i];
+        inOrder[rankOf(i, count)] = pairs[i];
+    barrier();
+    // Neighbouring invocations write next to each other: the results lie in the processor's memory.
+    for (uint i = k; i < count; i += LOCAL_SIZE)
+        outResults[resultsAt + min(before + i, survivorCapacity)] = inOrder[i];
 }
 
 void main()
