@@ -6,6 +6,15 @@
 
 #include <vector>
 
+/// Moves the colliders of all links to where the joints are.
+inline void qcPlaceColliders(btMultiBody& body)
+{
+    btAlignedObjectArray<btQuaternion> rotations;
+    btAlignedObjectArray<btVector3> origins;
+    body.forwardKinematics(rotations, origins);
+    body.updateCollisionObjectWorldTransforms(rotations, origins);
+}
+
 struct qcMovingLink
 {
     btScalar mass;

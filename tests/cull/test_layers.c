@@ -46,15 +46,6 @@ static void SetVertices(qcScene* scene, qcBodyId id, const qcSoup* soup)
     CHECK_OK(qcScene_SetVertices(scene, id, soup->positions, qc_positionF64, 0));
 }
 
-static qcBodyId AddDeforming(qcScene* scene, const qcSoup* soup)
-{
-    qcBodyDef def = qcBodyDefOf(soup);
-    def.deforming = true;
-    qcBodyId id;
-    CHECK_OK(qcScene_AddBody(scene, &def, &id));
-    return id;
-}
-
 //  ---- lists that grow, uploads ------------------------------------------------------------------------------------
 
 /// Lists of pairs grow on the device; if the processor reads the image, the image grows instead: with more columns than
@@ -71,7 +62,7 @@ static void CheckCollapse(const char* refinedBy, uint32_t columns)
     QC_FOR_EACH_DEVICE(device)
     {
         qcScene* scene = qcMakeScene(device);
-        qcBodyId id = AddDeforming(scene, &apart);
+        qcBodyId id = qcAddDeformingSoup(scene, &apart);
         qcDetectDef def = qcDefaultDetectDef();
         def.layerColumns = columns;
         uint64_t few = CheckLayers(scene, &def, "apart")->pairCount;
@@ -235,7 +226,7 @@ START_TEST(a_scene_beyond_the_frame_or_the_loops_is_swept_and_the_next_step_uses
     QC_FOR_EACH_DEVICE(device)
     {
         qcScene* scene = qcMakeScene(device);
-        qcBodyId id = AddDeforming(scene, &soup);
+        qcBodyId id = qcAddDeformingSoup(scene, &soup);
         qcDetectDef def = qcDefaultDetectDef();
         CheckLayers(scene, &def, "the first step");
         SetVertices(scene, id, &huge);
@@ -304,7 +295,7 @@ START_TEST(empty_scenes_points_and_degenerate_triangles_have_the_pairs_of_the_sw
         for (int i = 0; i < 3; i++)
         {
             qcScene* other = qcMakeScene(device);
-            id = AddDeforming(other, soups[i]);
+            id = qcAddDeformingSoup(other, soups[i]);
             CheckSmall(other, "all alike");
             qcDetectDef def = qcDefaultDetectDef();
             def.touching = true;
@@ -404,7 +395,7 @@ static void TakeStep(User* user, int step)
 {
     qcSoup soup = qcSoup_MakeFoldedCloth(user->seed + (uint64_t)step, user->side, 0.02, 0.03);
     if (step == 0)
-        user->cloth = AddDeforming(user->scene, &soup);
+        user->cloth = qcAddDeformingSoup(user->scene, &soup);
     else
         SetVertices(user->scene, user->cloth, &soup);
     if (step % 3 == 2)

@@ -84,22 +84,6 @@ static qcSoup MakeSoup(uint64_t seed, uint32_t count, double size, Large large)
     return soup;
 }
 
-static qcBodyId AddDeforming(qcScene* scene, const qcSoup* soup)
-{
-    qcBodyDef def = qcBodyDefOf(soup);
-    def.deforming = true;
-    qcBodyId id;
-    CHECK_OK(qcScene_AddBody(scene, &def, &id));
-    return id;
-}
-
-static bool HasCompute(qcDevice* device)
-{
-    qcDeviceInfo info;
-    CHECK_OK(qcDevice_GetInfo(device, &info));
-    return info.compute;
-}
-
 /// Two equal scenes of two bodies each: one for `layers`, one for the sweep.
 typedef struct Twins
 {
@@ -113,7 +97,7 @@ static Twins MakeTwins(qcDevice* device, const qcSoup* a, const qcSoup* b)
     for (int i = 0; i < 2; i++)
     {
         twins.scenes[i] = qcMakeScene(device);
-        twins.first = AddDeforming(twins.scenes[i], a);
+        twins.first = qcAddDeformingSoup(twins.scenes[i], a);
         qcAddSoup(twins.scenes[i], b);
     }
     return twins;
@@ -156,7 +140,7 @@ START_TEST(many_pairs_are_put_in_order_and_are_those_of_the_sweep)
     setenv("QC_LAYERS_REFINE", "device", 1);
     static const Large larges[] = {large_none, large_first, large_last};
     QC_FOR_EACH_DEVICE(device)
-    for (int l = 0; l < 3 && HasCompute(device); l++)
+    for (int l = 0; l < 3 && qcHasCompute(device); l++)
     {
         qcSoup soup = MakeSoup(5, 1600, 0.15, larges[l]), moved = MakeSoup(6, 1600, 0.15, larges[l]),
                other = MakeSoup(7, 700, 0.15, large_none);
@@ -192,7 +176,7 @@ START_TEST(steps_with_few_and_with_more_pairs_than_the_last_find_all)
     setenv("QC_LAYERS_REFINE", "device", 1);
     QC_FOR_EACH_DEVICE(device)
     {
-        if (!HasCompute(device))
+        if (!qcHasCompute(device))
             continue;
         // Fewer than are put in order, as many, and so many more that the list must grow.
         qcSoup few = qcSoup_MakeRandom(5, 2500, 0.08), many = qcSoup_MakeRandom(5, 2500, 0.12),
@@ -235,7 +219,7 @@ START_TEST(a_filter_leaves_out_pairs_that_are_in_order)
     qcSoup soup = qcSoup_MakeRandom(5, 2000, 0.15), other = qcSoup_MakeRandom(6, 500, 0.15);
     QC_FOR_EACH_DEVICE(device)
     {
-        if (!HasCompute(device))
+        if (!qcHasCompute(device))
             continue;
         Twins twins = MakeTwins(device, &soup, &other);
         qcDetectDef def = qcDefaultDetectDef();

@@ -246,15 +246,6 @@ static void DetectLayers(qcScene* scene, const char** fallback)
     *fallback = result->profile.fallback;
 }
 
-static qcBodyId AddDeforming(qcScene* scene, const qcSoup* soup)
-{
-    qcBodyDef body = qcBodyDefOf(soup);
-    body.deforming = true;
-    qcBodyId id;
-    CHECK_OK(qcScene_AddBody(scene, &body, &id));
-    return id;
-}
-
 START_TEST(a_device_that_keeps_failing_is_tried_ever_less)
 {
     setenv("QC_LAYERS_REFINE", "device", 1);
@@ -267,7 +258,7 @@ START_TEST(a_device_that_keeps_failing_is_tried_ever_less)
         s_failures = 1;
         s_attempts = 0;
         qcScene* scene = qcMakeScene(device);
-        const qcBodyId id = AddDeforming(scene, &soup);
+        const qcBodyId id = qcAddDeformingSoup(scene, &soup);
         const char* fallback = NULL;
         for (int step = 0; step < 64; step++)
         {
@@ -303,7 +294,7 @@ START_TEST(a_device_that_failed_is_tried_at_once_when_the_scene_is_of_another_si
             continue;
         s_failures = 1;
         qcScene* scene = qcMakeScene(device);
-        const qcBodyId id = AddDeforming(scene, &soup);
+        const qcBodyId id = qcAddDeformingSoup(scene, &soup);
         const char* fallback = NULL;
         for (int step = 0; step < 20; step++)
         {

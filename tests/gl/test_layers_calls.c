@@ -187,13 +187,6 @@ static void CheckCloth(Cloth cloth, qcDevice* device, const qcFailingHeap* heap,
     FreeCloth(&cloth);
 }
 
-static bool HasCompute(qcDevice* device)
-{
-    qcDeviceInfo info;
-    CHECK_OK(qcDevice_GetInfo(device, &info));
-    return info.compute;
-}
-
 START_TEST(a_steady_step_has_one_wait_and_at_most_20_calls_and_allocates_nothing)
 {
     static const char* const refiners[] = {"device", "processor"};
@@ -204,7 +197,7 @@ START_TEST(a_steady_step_has_one_wait_and_at_most_20_calls_and_allocates_nothing
     {
         setenv("QC_LAYERS_REFINE", refiners[i % 2], 1);
         QC_FOR_EACH_DEVICE(device)
-        if (HasCompute(device))
+        if (qcHasCompute(device))
             CheckCloth(MakeCloth(device, qcSoup_MakeFoldedCloth(5, 24, 0.02, 0.03), i >= 2), device, &heap,
                        vertexBytes[i % 2], 20);
     }
@@ -218,7 +211,7 @@ START_TEST(to_put_many_pairs_in_order_takes_three_calls)
     CHECK_OK(qcSetAllocator(qcFailingHeap_Allocate, qcFailingHeap_Release, &heap));
     setenv("QC_LAYERS_REFINE", "device", 1);
     QC_FOR_EACH_DEVICE(device)
-    if (HasCompute(device))
+    if (qcHasCompute(device))
         CheckCloth(MakeCloth(device, qcSoup_MakeRandom(5, 2000, 0.15), false), device, &heap, 12, 23);
     ck_assert_uint_eq(qcGetByteCount(), 0);
 }

@@ -43,6 +43,13 @@ static inline bool qcDevicesRefine(void)
     return refinement != NULL && strcmp(refinement, "device") == 0;
 }
 
+/// Whether a device has compute shaders.
+static inline bool qcHasCompute(qcDevice* device)
+{
+    qcDeviceInfo info;
+    return qcDevice_GetInfo(device, &info) == qc_statusOk && info.compute;
+}
+
 /// Whether the processor refines the image of `layers`, which is made for it alone.
 static inline bool qcHasImage(qcDevice* device)
 {

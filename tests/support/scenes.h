@@ -38,6 +38,15 @@ static inline qcBodyId qcAddSoup(qcScene* scene, const qcSoup* soup)
     return id;
 }
 
+static inline qcBodyId qcAddDeformingSoup(qcScene* scene, const qcSoup* soup)
+{
+    qcBodyDef def = qcBodyDefOf(soup);
+    def.deforming = true;
+    qcBodyId id;
+    CHECK_OK(qcScene_AddBody(scene, &def, &id));
+    return id;
+}
+
 /// Runs so many steps that the sweep has built all that it keeps of a body: it builds the adjacency of triangles in
 /// parts, one a step.
 static inline void qcLetBodiesLive(qcScene* scene, qcDetectDef def)

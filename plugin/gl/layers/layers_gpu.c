@@ -25,7 +25,7 @@ enum
     // Calls for each job in device.c, beside those that are counted here: for errors.
     qc_callsOfJob = 1,
     qc_spareItems = 4096,
-    // Of qc_workNodePairs.
+    // Bytes of an element of qc_workNodePairs.
     qc_nodePairBytes = 16,
     // Words that an invocation of the first kernel resets or copies.
     qc_resetShare = 8,

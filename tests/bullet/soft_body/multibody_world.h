@@ -232,10 +232,7 @@ class qcRobot
     /// Moves the colliders to where the joints are.
     void Place()
     {
-        btAlignedObjectArray<btQuaternion> rotations;
-        btAlignedObjectArray<btVector3> origins;
-        m_body.forwardKinematics(rotations, origins);
-        m_body.updateCollisionObjectWorldTransforms(rotations, origins);
+        qcPlaceColliders(m_body);
     }
     /// Watches the boxes, each less `inside` on all sides; they don't count against each other.
     void Watch(qcMotionOracle& oracle, btScalar inside = 0) const
