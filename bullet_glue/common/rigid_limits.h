@@ -5,9 +5,13 @@
 
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 
+#include <functional>
 #include <vector>
 
 class btDispatcher;
+
+/// Where an object that soft bodies may have moved starts the step; null: they have not moved it.
+using qcStartFunction = std::function<const btTransform*(const btCollisionObject*)>;
 
 class qcRigidLimits
 {
@@ -18,7 +22,7 @@ class qcRigidLimits
     /// Certifies them again if bodies have been moved since. Bodies in `held` return to the start of the step. Appends
     /// the objects that it moves to `moved`.
     virtual void LimitAgain(btScalar timeStep, const std::vector<const btCollisionObject*>& held,
-                            std::vector<const btCollisionObject*>* moved) = 0;
+                            const qcStartFunction& startOf, std::vector<const btCollisionObject*>* moved) = 0;
 };
 
 /// Registers the limits of the world with this dispatcher. Thread-safe.

@@ -476,7 +476,8 @@ void qcMeshBatch::LimitMotion(btScalar timeStep)
     std::lock_guard<std::mutex> lock(m_mutex);
     std::vector<const btCollisionObject*> moved;
     if (m_isLimited)
-        m_limiter.LimitAgain(timeStep, {}, &moved, &statistics);
+        m_limiter.LimitAgain(
+            timeStep, {}, [](const btCollisionObject*) { return nullptr; }, &moved, &statistics);
     else
         Limit(timeStep);
     m_isLimited = false;
@@ -490,10 +491,10 @@ void qcMeshBatch::LimitFirst(btScalar timeStep)
 }
 
 void qcMeshBatch::LimitAgain(btScalar timeStep, const std::vector<const btCollisionObject*>& held,
-                             std::vector<const btCollisionObject*>* moved)
+                             const qcStartFunction& startOf, std::vector<const btCollisionObject*>* moved)
 {
     std::lock_guard<std::mutex> lock(m_mutex);
-    m_limiter.LimitAgain(timeStep, held, moved, &statistics);
+    m_limiter.LimitAgain(timeStep, held, startOf, moved, &statistics);
 }
 
 void qcMeshBatch::Draw(btIDebugDraw* drawer, int modes)

@@ -45,7 +45,7 @@ class qcMeshBatch : public qcRigidLimits, public qcKnownGaps
     void LimitMotion(btScalar timeStep);
     void LimitFirst(btScalar timeStep) override;
     void LimitAgain(btScalar timeStep, const std::vector<const btCollisionObject*>& held,
-                    std::vector<const btCollisionObject*>* moved) override;
+                    const qcStartFunction& startOf, std::vector<const btCollisionObject*>* moved) override;
     const qcBatchObject* FindCurrent(const btCollisionObject* object) override;
     bool StayApart(const qcKnownStep& a, const qcKnownStep& b) override;
     /// Call it after the triangles of a shape have changed.

@@ -600,24 +600,26 @@ void qcMotionLimiter::Limit(btScalar timeStep, qcMeshContactStatistics* statisti
 }
 
 void qcMotionLimiter::LimitAgain(btScalar timeStep, const std::vector<const btCollisionObject*>& held,
-                                 std::vector<const btCollisionObject*>* moved, qcMeshContactStatistics* statistics)
+                                 const qcStartFunction& startOf, std::vector<const btCollisionObject*>* moved,
+                                 qcMeshContactStatistics* statistics)
 {
+    m_objects.ForgetGoneMultiBodies();
     if (held.empty() && m_objects.AreAtEnds())
         return;
     double start = qcNowMs();
     for (const btCollisionObject* object : held)
     {
         qcSweptObject* swept = m_objects.Find(object);
-        if (swept != nullptr && swept->body != nullptr)
+        if (swept == nullptr || swept->body == nullptr)
+            m_objects.ReturnMultiBody(object, moved);
+        else if (!qcAreSame(swept->body->getWorldTransform(), swept->start))
         {
             swept->body->proceedToTransform(swept->start);
             swept->isLimited = true;
             moved->push_back(object);
         }
-        else
-            m_objects.ReturnMultiBody(object, moved);
     }
-    m_objects.ReadTargets(m_scene.Get());
+    m_objects.ReadTargets(startOf, m_scene.Get());
     for (const btCollisionObject* object : held)
         if (qcSweptObject* swept = m_objects.Find(object))
             swept->body = nullptr; // like a static one

@@ -54,7 +54,8 @@ class qcMotionLimiter
     /// Certifies a step that Limit has read already again, if bodies have been moved since. Objects in `held`
     /// stay at their starts. Appends the objects that it moves to `moved`.
     void LimitAgain(btScalar timeStep, const std::vector<const btCollisionObject*>& held,
-                    std::vector<const btCollisionObject*>* moved, qcMeshContactStatistics* statistics);
+                    const qcStartFunction& startOf, std::vector<const btCollisionObject*>* moved,
+                    qcMeshContactStatistics* statistics);
     /// See qcSweptObjects.
     const btCollisionObject* NotFinite() const
     {

@@ -180,6 +180,7 @@ void qcSweptMultiBody::ReadMotion(btScalar timeStep)
     m_hasStart = IsMoved(m_body) && AreFinite(m_targets);
     if (m_hasStart)
         FindStart(timeStep);
+    m_hasStart = m_hasStart && AreFinite(m_starts);
 }
 
 void qcSweptMultiBody::ReadTarget()
@@ -191,11 +192,6 @@ void qcSweptMultiBody::ReadTarget()
     m_motion.reset();
     m_fraction = 1;
     m_isMoved = true;
-}
-
-bool qcSweptMultiBody::IsAtRecord() const
-{
-    return m_records.empty() || AreAllSame(ReadColliders(), m_records);
 }
 
 bool qcSweptMultiBody::IsDynamic(int link) const
@@ -215,7 +211,7 @@ void qcSweptMultiBody::Add(qcSweptObject* swept)
     const bool isKnown = std::any_of(m_members.begin(), m_members.end(),
                                      [swept](const Member& member) { return member.swept == swept; });
     if (!isKnown)
-        m_members.push_back({swept, 0, swept->end});
+        m_members.push_back({swept, 0, swept->object->getWorldTransform()});
 }
 
 /// The motion of all members by pushes, which starts at the target.
@@ -271,9 +267,13 @@ void qcSweptMultiBody::CommitPushes()
 {
     if (m_motion == nullptr)
         return;
+    const bool hadMoment = m_hasMoment;
     KeepMoment();
     if (!m_motion->Commit())
+    {
+        m_hasMoment = hadMoment;
         return;
+    }
     m_isStopped = true;
     m_target = qcJointPositions(m_body);
     ReadEnds();
@@ -282,7 +282,10 @@ void qcSweptMultiBody::CommitPushes()
 void qcSweptMultiBody::ReadEnds()
 {
     for (Member& member : m_members)
+    {
         member.swept->end = member.before = member.swept->object->getWorldTransform();
+        member.swept->multibody = this;
+    }
 }
 
 btVector3 qcSweptMultiBody::VelocityAt(const qcSweptObject& link, const btVector3& arm)
@@ -302,8 +305,6 @@ void qcSweptMultiBody::RecordEnd()
 {
     m_recorded = qcJointPositions(m_body);
     m_records = ReadColliders();
-    if (!AreFinite(m_records))
-        m_records.clear();
 }
 
 /// Before the joints leave the target.
@@ -322,6 +323,18 @@ bool qcSweptMultiBody::CutTo(btScalar part)
     m_isMoved = false;
     m_isStopped = true;
     return true;
+}
+
+bool qcSweptMultiBody::ReturnToStart(const btVector3& gravity)
+{
+    const Places before = ReadColliders();
+    KeepMoment();
+    m_start.Towards(m_target, 0, m_body).Restore(&m_body);
+    UpdateVelocities(gravity);
+    m_isStopped = true;
+    for (const Member& member : m_members)
+        member.swept->isLimited = true;
+    return !AreAllSame(before, ReadColliders());
 }
 
 void qcSweptMultiBody::Move()

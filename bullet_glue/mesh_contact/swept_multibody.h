@@ -24,8 +24,6 @@ class qcSweptMultiBody
     void ReadTarget();
     /// The next step starts where the joints are.
     void RecordEnd();
-    /// True if the colliders are where RecordEnd has seen them.
-    bool IsAtRecord() const;
     /// True for a link, -1 for the base, that joints move, of a multibody whose start is known.
     bool IsDynamic(int link) const;
     /// Where the collider of such a link starts the step.
@@ -35,7 +33,7 @@ class qcSweptMultiBody
     }
     /// True if such a link has moved in the step.
     bool HasMoved(int link) const;
-    /// Takes part with a link, whose end follows its motion until the next step.
+    /// Takes part with a link that joints move, whose end follows its motion until the next step.
     void Add(qcSweptObject* swept);
     /// True if planes push it: where it was stopped in the previous step, too. The first time it is cut back: planes at
     /// single points would tilt what strikes flush, and contact of the next step is mostly all that it needs.
@@ -58,11 +56,9 @@ class qcSweptMultiBody
     }
     /// Makes no more than this part of the motion from now on. False: it makes no more already.
     bool CutTo(btScalar part);
-    /// Moves the joints and all colliders to the start of the step.
-    void ReturnToStart()
-    {
-        m_start.Restore(&m_body);
-    }
+    /// Moves the joints and all colliders to the start of the step; what the application moves stays. The links count
+    /// as limited. False: they are there.
+    bool ReturnToStart(const btVector3& gravity);
     /// Moves the joints, all colliders and the ends to where that part ends.
     void Move();
     /// If it was pushed or cut: slows down all joints by what gravity has given it for the part of a fall that it
@@ -108,7 +104,7 @@ class qcSweptMultiBody
     btMultiBody& m_body;
     qcJointPositions m_start, m_target, m_recorded;
     Places m_starts, m_targets;
-    Places m_records;                  ///< none: they were not finite, or it is new
+    Places m_records;                  ///< of the joints' end of the previous step; none: it is new
     btVector3 m_targetMoment{0, 0, 0}; ///< sum of masses times places, at the target
     bool m_hasMoment = false;
     std::vector<Member> m_members;

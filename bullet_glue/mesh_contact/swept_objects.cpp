@@ -276,12 +276,11 @@ void qcSweptObjects::FindMultiBodies(bool adds)
 
 void qcSweptObjects::ReturnMultiBody(const btCollisionObject* link, std::vector<const btCollisionObject*>* moved)
 {
-    FindMultiBodies(false);
     qcSweptMultiBody* multibody = FindMultiBody(link);
     if (multibody == nullptr)
         return;
-    multibody->ReturnToStart();
-    multibody->ForEachCollider([moved](const btCollisionObject* collider) { moved->push_back(collider); });
+    if (multibody->ReturnToStart(static_cast<btMultiBodyDynamicsWorld*>(m_settings.world)->getGravity()))
+        multibody->ForEachCollider([moved](const btCollisionObject* collider) { moved->push_back(collider); });
 }
 
 void qcSweptObjects::CommitMultiBodies()
@@ -346,13 +345,15 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
     qcSweptObject& swept = *Add(object);
     swept.step = m_step;
     swept.body = DynamicBody(object);
+    const btMultiBodyLinkCollider* asLink = qcAsLink(object);
+    swept.owner = asLink != nullptr ? asLink->m_multiBody : nullptr;
     swept.multibody = FindMultiBody(object);
     swept.isDynamic = swept.body != nullptr || swept.multibody != nullptr;
     if (swept.multibody != nullptr)
     {
-        const int link = qcAsLink(object)->m_link;
-        swept.start = swept.multibody->StartOf(link);
-        if (!swept.multibody->HasMoved(link))
+        swept.start = swept.multibody->StartOf(asLink->m_link);
+        swept.multibody->Add(&swept);
+        if (!swept.multibody->HasMoved(asLink->m_link))
             swept.multibody = nullptr;
     }
     ReadShape(&swept, m_settings.gimpact);
@@ -372,8 +373,6 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
     if (takesCores)
         m_cores.ForEachCore(object->getCollisionShape(), addCore);
     swept.target = swept.end = object->getWorldTransform();
-    if (swept.multibody != nullptr)
-        swept.multibody->Add(&swept);
     FindFloors(&swept);
     swept.carried = swept.start;
     swept.isLookedUp = false;
@@ -383,19 +382,17 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
     return swept;
 }
 
-bool qcSweptObjects::ReadTargets(qcScene* scene)
+bool qcSweptObjects::ReadTargets(const qcStartFunction& startOf, qcScene* scene)
 {
-    FindMultiBodies(false);
     for (auto& [body, multibody] : m_multibodies)
         multibody->ReadTarget();
     const bool anyMoved = ReadObjects(scene);
-    // Convex shapes that soft bodies have made fast start where their velocities have taken them from.
+    // Convex shapes that soft bodies have made fast have not been read before in this step.
     for (qcSweptObject* swept : m_sorted)
         if (swept->isNew && swept->cores != nullptr && swept->body != nullptr)
         {
-            btTransformUtil::integrateTransform(swept->target, swept->body->getLinearVelocity(),
-                                                swept->body->getAngularVelocity(), -m_timeStep, swept->start);
-            swept->carried = swept->start;
+            const btTransform* start = startOf(swept->object);
+            swept->start = swept->carried = start != nullptr ? *start : swept->target;
             swept->FindTravel();
         }
     return anyMoved;
@@ -543,7 +540,7 @@ bool qcSweptObjects::Collide(const qcSweptObject& a, const qcSweptObject& b) con
     btCollisionWorld* world = m_settings.world;
     if (!(a.IsFree() || b.IsFree()) || !a.hasMesh || !b.hasMesh || !(a.isOurs || b.isOurs))
         return false;
-    if (a.multibody != nullptr && a.multibody == b.multibody)
+    if (a.owner != nullptr && a.owner == b.owner)
         return false;
     // Bullet's contact keeps apart what is slow.
     if ((a.cores != nullptr || b.cores != nullptr) &&
@@ -602,10 +599,6 @@ qcSweptObject* qcSweptObjects::Find(const btCollisionObject* object) const
 
 bool qcSweptObjects::AreAtEnds()
 {
-    FindMultiBodies(false);
-    for (const auto& [body, multibody] : m_multibodies)
-        if (!multibody->IsAtRecord())
-            return false;
     const btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
     for (int i = 0; i < objects.size(); i++)
     {

@@ -5,6 +5,7 @@
 
 #include "mesh_contact/axis_cache.h"
 #include "mesh_contact/batch_scene.h"
+#include "common/rigid_limits.h"
 #include "mesh_contact/swept_mesh.h"
 #include "mesh_contact/swept_multibody.h"
 
@@ -27,6 +28,7 @@ struct qcSweptObject
 {
     btCollisionObject* object = nullptr;
     btRigidBody* body = nullptr;           ///< null: no rigid body that Bullet moves
+    const btMultiBody* owner = nullptr;    ///< of a link
     qcSweptMultiBody* multibody = nullptr; ///< of a link that has moved, so that its motion can be cut
     bool isDynamic = false;                ///< Bullet moves it: `body`, or a link of a multibody
     uint32_t number = 0;                   ///< in the order in which objects entered the world; see qcIdCounter
@@ -146,15 +148,22 @@ class qcSweptObjects
     void MarkStarts();
     /// Finds the starts of the step that ends now, then does what ReadTargets does.
     bool ReadMotions(btScalar timeStep, qcScene* scene);
+    /// Forgets the multibodies that the world steps no more: they may be gone. Call it before what reads the world
+    /// again in a step.
+    void ForgetGoneMultiBodies()
+    {
+        FindMultiBodies(false);
+    }
     /// Reads the present transforms as the targets. Meshes of objects that left the world, or are not finite, are
     /// removed from the scene.
     /// True if an object has moved.
-    bool ReadTargets(qcScene* scene);
+    bool ReadTargets(const qcStartFunction& startOf, qcScene* scene);
     /// Moves multibodies by the pushes since the last call.
     void CommitMultiBodies();
     /// Moves multibodies whose motion was cut since the last call.
     void MoveMultiBodies();
-    /// Returns the multibody of a link to the start of the step, if that is known. Appends all its links to `moved`.
+    /// Returns the multibody of a link to the start of the step, if that is known. If it was not there, all its links
+    /// are appended to `moved`.
     void ReturnMultiBody(const btCollisionObject* link, std::vector<const btCollisionObject*>* moved);
     /// Adapts the velocities of multibodies whose motion was cut.
     void UpdateMultiBodies() const;

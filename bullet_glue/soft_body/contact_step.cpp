@@ -495,12 +495,20 @@ qcStatus qcSoftBodyContact::Implementation::LimitRigids(btScalar timeStep)
 {
     qcRigidLimits* limits = FindLimits();
     std::vector<const btCollisionObject*> held, moved;
+    auto startOf = [this](const btCollisionObject* object)
+    {
+        const auto& rigids = scene.meshes.Rigids();
+        auto found =
+            std::find_if(rigids.begin(), rigids.end(),
+                         [object](const std::unique_ptr<qcSceneRigid>& rigid) { return rigid->object == object; });
+        return found != rigids.end() ? &(*found)->start : nullptr;
+    };
     const size_t maxRounds = limits != nullptr ? 2 * scene.meshes.Rigids().size() + 1 : 0;
     for (size_t round = 0; round < maxRounds; round++)
     {
         scene.meshes.UpdateVelocities(timeStep);
         moved.clear();
-        limits->LimitAgain(timeStep, held, &moved);
+        limits->LimitAgain(timeStep, held, startOf, &moved);
         if (!scene.meshes.Fix(moved))
             return qc_statusOk;
         m_zones.Renew();

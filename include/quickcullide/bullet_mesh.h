@@ -223,8 +223,9 @@ struct qcMeshContactStatistics
 /// compounds too, pass no qcMeshShape either: in steps in which such a body moves against the mesh by more than half of
 /// its half width, a polyhedron inside of each shape, of nine tenths of its size, is limited like a mesh. Slower ones
 /// have Bullet's contact alone. Links of a btMultiBody that the world steps are limited with meshes and with convex
-/// shapes, against all but other links of the same one: the motion of its joints is cut back. On a btStaticPlaneShape contact alone holds meshes: those that land fast, spin fast or
-/// lie under a heap may sink in before it pushes them out.
+/// shapes, against all but other links of the same one: the motion of its joints is cut back. On a btStaticPlaneShape
+/// contact alone holds meshes: those that land fast, spin fast or lie under a heap may sink in before it pushes them
+/// out.
 ///
 /// Rest: as long as no two points of a pair have moved against each other by 3 % of both thresholds, its contact points
 /// move with the bodies and nothing is searched.

@@ -484,6 +484,35 @@ START_TEST(a_heavy_cloth_pushes_what_rests_through_no_mesh)
 }
 END_TEST
 
+START_TEST(a_velocity_that_a_tick_callback_sets_leads_from_where_the_body_is)
+{
+    const btVector3 half(btScalar(0.1), btScalar(0.03), btScalar(0.1));
+    const std::unique_ptr<qcMeshShape> shape = qcBoxModel(btVector3(2, btScalar(0.01), 2), 4).MakeShape();
+    btBoxShape box(half);
+    std::unique_ptr<qcMultiBodyWorld> world = qcMakeMultiBodyWorld(_i != 0, s_none);
+    qcMeshContact meshes;
+    meshes.addTo(&world->World());
+    btRigidBody plate(0, nullptr, shape.get()), body(1, nullptr, &box, qcRobot::InertiaOf(1, half));
+    body.setWorldTransform(btTransform(s_upright, btVector3(0, btScalar(0.2), 0)));
+    world->World().addRigidBody(&plate);
+    world->World().addRigidBody(&body);
+    world->AddCloth(5, false);
+    auto launch = [](btDynamicsWorld* of, btScalar)
+    { static_cast<btRigidBody*>(of->getWorldUserInfo())->setLinearVelocity(btVector3(0, 60, 0)); };
+    world->World().setInternalTickCallback(launch, &body);
+    btScalar last = body.getWorldTransform().getOrigin().y();
+    for (int step = 0; step < 4; step++)
+    {
+        world->Step();
+        ck_assert_double_ge(double(body.getWorldTransform().getOrigin().y()), double(last) - 1e-6);
+        last = body.getWorldTransform().getOrigin().y();
+    }
+    ck_assert_double_gt(double(last), 1);
+    world->World().removeRigidBody(&body);
+    world->World().removeRigidBody(&plate);
+}
+END_TEST
+
 /// Replaces a robot by a mesh in the third step.
 class Explosion : public btActionInterface
 {
@@ -772,6 +801,7 @@ QC_TEST_MAIN()
                                 random_arms_that_strike_a_cloth_on_the_floor_pass_nothing,
                                 random_arms_between_a_cloth_and_a_thin_mesh_pass_neither,
                                 a_heavy_cloth_pushes_what_rests_through_no_mesh,
+                                a_velocity_that_a_tick_callback_sets_leads_from_where_the_body_is,
                                 a_robot_that_an_action_deletes_is_forgotten,
                                 a_wedge_that_leaves_cloth_no_room_jams,
                                 a_slider_that_presses_cloth_on_a_floor_is_not_thrown_back,
