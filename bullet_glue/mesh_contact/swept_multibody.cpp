@@ -148,6 +148,7 @@ bool qcSweptMultiBody::IsExplained(const qcJointPositions& expected)
 
 void qcSweptMultiBody::FindStart(btScalar timeStep)
 {
+    m_puts.clear();
     if (m_records.size() == m_targets.size())
     {
         m_start = m_recorded;
@@ -160,16 +161,24 @@ void qcSweptMultiBody::FindStart(btScalar timeStep)
         {
             if (placed.DistanceTo(m_recorded, 1) == 0)
                 return;
-            const Places places = PlacesAt(placed);
-            if (LargestDisplacement(m_records, places) <= HalfSize())
-                return;
-            m_start = placed;
-            m_starts = places;
+            m_put = placed;
+            m_puts = PlacesAt(placed);
+            if (LargestDisplacement(m_records, m_puts) > HalfSize())
+                StartWherePut();
             return;
         }
     }
     m_start = StepFrom(m_target, -timeStep);
     m_starts = PlacesAt(m_start);
+}
+
+void qcSweptMultiBody::StartWherePut()
+{
+    if (m_puts.empty())
+        return;
+    m_start = m_put;
+    m_starts.swap(m_puts);
+    m_puts.clear();
 }
 
 void qcSweptMultiBody::ReadMotion(btScalar timeStep)

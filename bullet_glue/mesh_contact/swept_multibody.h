@@ -12,7 +12,8 @@ struct qcSweptObject;
 class qcSweptMultiBody
 {
   public:
-    explicit qcSweptMultiBody(btMultiBody& body) : m_body(body), m_start(body), m_target(body), m_recorded(body)
+    explicit qcSweptMultiBody(btMultiBody& body)
+        : m_body(body), m_start(body), m_target(body), m_recorded(body), m_put(body)
     {
     }
 
@@ -20,10 +21,17 @@ class qcSweptMultiBody
     /// velocities have moved the joints from there since, up to 2 cm and half of the motion. If not, or if it is new,
     /// the application has put it elsewhere, and it starts where the velocities took it from. O(joints).
     void ReadMotion(btScalar timeStep);
+    /// What the application has moved of it was put where it is: with the whole world.
+    void StartWherePut();
     /// Reads where the joints are as the target, which is reached in full.
     void ReadTarget();
     /// The next step starts where the joints are.
     void RecordEnd();
+    /// True if Bullet moves the base.
+    bool HasFreeBase() const
+    {
+        return !m_body.isBaseStaticOrKinematic();
+    }
     /// True for a link, -1 for the base, that joints move, of a multibody whose start is known.
     bool IsDynamic(int link) const;
     /// Where the collider of such a link starts the step.
@@ -102,9 +110,10 @@ class qcSweptMultiBody
     void ReadEnds();
 
     btMultiBody& m_body;
-    qcJointPositions m_start, m_target, m_recorded;
+    qcJointPositions m_start, m_target, m_recorded, m_put;
     Places m_starts, m_targets;
-    Places m_records;                  ///< of the joints' end of the previous step; none: it is new
+    Places m_puts;    ///< the colliders at m_put; none: it starts there, or the application moves nothing
+    Places m_records; ///< of the joints' end of the previous step; none: it is new
     btVector3 m_targetMoment{0, 0, 0}; ///< sum of masses times places, at the target
     bool m_hasMoment = false;
     std::vector<Member> m_members;

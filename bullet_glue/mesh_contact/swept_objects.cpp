@@ -348,7 +348,7 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
     const btMultiBodyLinkCollider* asLink = qcAsLink(object);
     swept.owner = asLink != nullptr ? asLink->m_multiBody : nullptr;
     swept.multibody = FindMultiBody(object);
-    swept.isDynamic = swept.body != nullptr || swept.multibody != nullptr;
+    swept.isDynamic = swept.body != nullptr || (swept.multibody != nullptr && swept.multibody->HasFreeBase());
     if (swept.multibody != nullptr)
     {
         swept.start = swept.multibody->StartOf(asLink->m_link);
@@ -470,6 +470,16 @@ bool qcSweptObjects::Shift::IsOf(const btTransform& from, const btTransform& to)
            from.getBasis() == to.getBasis();
 }
 
+/// Where the application has moved all objects, it has not moved the bases of multibodies against others.
+void qcSweptObjects::StartWherePut()
+{
+    for (auto& [body, multibody] : m_multibodies)
+        multibody->StartWherePut();
+    for (qcSweptObject* swept : m_sorted)
+        if (const qcSweptMultiBody* multibody = FindMultiBody(swept->object))
+            swept->start = multibody->StartOf(qcAsLink(swept->object)->m_link);
+}
+
 bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
 {
     for (qcSweptObject* swept : m_sorted)
@@ -502,6 +512,8 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
             FindStart(timeStep, swept);
     }
     const Shift shift = FindCommonShift();
+    if (!shift.by.isZero())
+        StartWherePut();
     bool anyMoved = false;
     m_coreCount = 0;
     for (qcSweptObject* swept : m_sorted)

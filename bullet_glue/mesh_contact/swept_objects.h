@@ -30,7 +30,7 @@ struct qcSweptObject
     btRigidBody* body = nullptr;           ///< null: no rigid body that Bullet moves
     const btMultiBody* owner = nullptr;    ///< of a link
     qcSweptMultiBody* multibody = nullptr; ///< of a link that has moved, so that its motion can be cut
-    bool isDynamic = false;                ///< Bullet moves it: `body`, or a link of a multibody
+    bool isDynamic = false;                ///< Bullet moves it alone: `body`, or a link of a multibody with a free base
     uint32_t number = 0;                   ///< in the order in which objects entered the world; see qcIdCounter
     uint32_t index = 0;                    ///< in the present list of objects
     uint64_t step = 0;                     ///< the last update that found the object in the world
@@ -205,6 +205,7 @@ class qcSweptObjects
     };
 
     Shift FindCommonShift() const;
+    void StartWherePut();
     qcSweptObject* Add(const btCollisionObject* object);
     static void FindStart(btScalar timeStep, qcSweptObject* swept);
     void ReadTriangles(qcSweptObject* swept, qcScene* scene) const;

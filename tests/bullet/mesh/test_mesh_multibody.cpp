@@ -544,27 +544,52 @@ START_TEST(a_multibody_that_was_not_finite_is_limited_again)
 }
 END_TEST
 
+void MoveOrigin(btCollisionObject* object, const btVector3& shift)
+{
+    btTransform place = object->getWorldTransform();
+    place.getOrigin() += shift;
+    object->setWorldTransform(place);
+    object->setInterpolationWorldTransform(place);
+}
+
 START_TEST(a_new_origin_of_a_world_of_multibodies_moves_nothing_in_it)
 {
-    // Inside of a closed room, which moves by less than half of its size.
-    LinkWorld made(s_nowhere);
-    btRigidBody* room = made.Add(qcBoxModel(btVector3(5, 5, 5), 8), 0, btTransform(s_upright, s_nowhere), s_fixed);
-    Chain chain(made, kind_mesh, 2, false, s_nowhere, 1);
-    chain.Body().setLinearDamping(0);
-    chain.Body().setBaseVel(s_away);
-    for (int step = 0; step < 8; step++)
+    // Inside of a closed room, which moves by less than half of its size. A free chain alone, then an arm on a fixed
+    // base and a rigid body, so near to walls that these would pass them.
+    for (bool isArm : {false, true})
     {
-        const btVector3 shift = step == 3 ? 6 * s_along : s_nowhere;
-        btTransform place = room->getWorldTransform();
-        place.getOrigin() += shift;
-        room->setWorldTransform(place);
-        chain.Body().setBasePos(chain.Body().getBasePos() + shift);
-        qcPlaceColliders(chain.Body());
-        const btScalar before = chain.At(0).z();
-        made.world.stepSimulation(qcStep, 0);
-        ck_assert_int_eq(made.contact.getStatistics().limited, 0);
-        ck_assert_int_eq(made.contact.getStatistics().unproven, 0);
-        ck_assert_double_eq_tol(double(chain.At(0).z() - before), double(qcStep), 1e-4);
+        LinkWorld made(s_nowhere);
+        btRigidBody* room = made.Add(qcBoxModel(btVector3(5, 5, 5), 8), 0, btTransform(s_upright, s_nowhere), s_fixed);
+        btRigidBody* ball =
+            isArm ? made.Add(qcSphereModel(0.1, 1), 1, btTransform(s_upright, btScalar(4.88) * s_away)) : nullptr;
+        Chain chain(made, kind_mesh, 2, isArm, isArm ? btScalar(-4.9) * s_away : s_nowhere, 1);
+        chain.Body().setLinearDamping(0);
+        chain.Body().setAngularDamping(0);
+        if (isArm)
+            chain.Body().setJointVel(0, -3);
+        else
+            chain.Body().setBaseVel(s_away);
+        btScalar turned = 0;
+        for (int step = 0; step < 8; step++)
+        {
+            const btVector3 shift = step == 3 ? (isArm ? btScalar(0.3) : btScalar(6)) * s_away : s_nowhere;
+            MoveOrigin(room, shift);
+            if (ball != nullptr)
+            {
+                ball->activate();
+                MoveOrigin(ball, shift);
+            }
+            chain.Body().setBasePos(chain.Body().getBasePos() + shift);
+            qcPlaceColliders(chain.Body());
+            const btScalar before = chain.At(0).z();
+            made.world.stepSimulation(qcStep, 0);
+            ck_assert_int_eq(made.contact.getStatistics().limited, 0);
+            ck_assert_int_eq(made.contact.getStatistics().unproven, 0);
+            if (!isArm)
+                ck_assert_double_eq_tol(double(chain.At(0).z() - before), double(qcStep), 1e-4);
+            ck_assert(!isArm || chain.Body().getJointPos(0) < turned - btScalar(0.02));
+            turned = isArm ? chain.Body().getJointPos(0) : btScalar(0);
+        }
     }
 }
 END_TEST
