@@ -319,13 +319,15 @@ btScalar qcSweptObjects::TravelNear(const btCollisionObject* object) const
     return own + largest;
 }
 
-/// True if the convex shapes of a dynamic body or a link may pass a mesh in the step, or might have lately.
+/// True if the convex shapes of a dynamic body, a link or a static object may pass a mesh in the step, or might have
+/// lately.
 bool qcSweptObjects::TakesCores(const btCollisionObject* object)
 {
     const btCollisionShape* shape = object->getCollisionShape();
-    const bool isMoved =
-        DynamicBody(const_cast<btCollisionObject*>(object)) != nullptr || FindMultiBody(object) != nullptr;
-    if (!(shape->isConvex() || shape->isCompound()) || !isMoved || !object->hasContactResponse())
+    if (!(shape->isConvex() || shape->isCompound()) || !object->hasContactResponse())
+        return false;
+    if (!object->isStaticObject() && DynamicBody(const_cast<btCollisionObject*>(object)) == nullptr &&
+        FindMultiBody(object) == nullptr)
         return false;
     const qcSweptObject* known = m_coreCount > 0 ? Find(object) : nullptr;
     if (known != nullptr && known->coreSteps > 0)
@@ -374,6 +376,9 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
         m_cores.ForEachCore(object->getCollisionShape(), addCore);
     swept.target = swept.end = object->getWorldTransform();
     FindFloors(&swept);
+    // How far new meshes move decides which convex shapes take part.
+    if (m_findsStarts && swept.isNew && swept.body != nullptr && swept.cores == nullptr)
+        FindStart(m_timeStep, &swept);
     swept.carried = swept.start;
     swept.isLookedUp = false;
     swept.pushes = 0;
@@ -498,7 +503,9 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
     FindMultiBodies(anyMesh);
     for (auto& [body, multibody] : m_multibodies)
         multibody->ReadMotion(timeStep);
+    m_findsStarts = !m_isMarked;
     ReadObjects(scene);
+    m_findsStarts = false;
     for (qcSweptObject* swept : m_sorted)
     {
         // One that the application has given finite values within the step starts there.

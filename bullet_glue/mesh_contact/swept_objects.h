@@ -238,7 +238,8 @@ class qcSweptObjects
     std::vector<qcSweptObject*> m_byLower;                           ///< along the first axis
     qcIdCounter m_numbers;
     uint64_t m_step = 0;
-    bool m_isMarked = false; ///< the starts of the present step
+    bool m_isMarked = false;    ///< the starts of the present step
+    bool m_findsStarts = false; ///< while motions are read: starts are not marked
 };
 
 #endif

@@ -147,6 +147,39 @@ START_TEST(fast_convex_shapes_pass_no_mesh)
 }
 END_TEST
 
+START_TEST(fast_meshes_pass_no_static_convex_shape)
+{
+    std::unique_ptr<btCollisionShape> shape = MakeConvex(_i);
+    const qcModel core = qcCoreModel(shape.get()),
+                  box = qcBoxModel(btVector3(btScalar(0.2), btScalar(0.1), btScalar(0.3)), 2);
+    int limited = 0;
+    for (unsigned start = 1; start <= s_starts; start++)
+        for (btScalar speed : {btScalar(10), btScalar(60), btScalar(300)})
+        {
+            qcRandomNumbers random(start);
+            qcMeshWorld world;
+            world.world.setGravity(btVector3(0, 0, 0));
+            qcMotionOracle oracle;
+            const btQuaternion turn(random.Vector(1).normalized(), random.Number(0, 3));
+            oracle.Add(core, world.Add(shape.get(), 0, btTransform(turn, btVector3(0, 0, -3))));
+            btRigidBody* thrown = world.Add(world.Keep(box.MakeShape()), 1, random.Vector(0.1));
+            oracle.Add(box, thrown);
+            thrown->setLinearVelocity(-speed * s_z);
+            thrown->setAngularVelocity(random.Vector(5));
+            const double energy = world.Energy();
+            for (int step = 0; step < 40; step++)
+            {
+                world.Step();
+                limited += world.contact.getStatistics().limited;
+                ck_assert_int_eq(world.contact.getStatistics().unproven, 0);
+                ck_assert_uint_eq(oracle.Count(), 0);
+                ck_assert(speed > 10 || world.Energy() <= energy * 1.01);
+            }
+        }
+    ck_assert_int_gt(limited, 0);
+}
+END_TEST
+
 /// True if a segment passes through a rectangle at right angles to z.
 bool Passes(const btVector3& from, const btVector3& to, const btVector3& centre, btScalar half)
 {
@@ -297,6 +330,7 @@ QC_TEST_MAIN()
     tcase_add_loop_test(tests, a_core_is_inside_its_shape, 0, convex_kinds);
     tcase_add_test(tests, a_core_follows_changes_of_its_shape);
     tcase_add_loop_test(tests, fast_convex_shapes_pass_no_mesh, 0, convex_kinds);
+    tcase_add_loop_test(tests, fast_meshes_pass_no_static_convex_shape, 0, convex_kinds);
     tcase_add_test(tests, fast_convex_shapes_that_push_each_other_pass_no_mesh);
     tcase_add_loop_test(tests, a_fast_kinematic_mesh_takes_along_a_convex_shape, 0, convex_kinds);
     tcase_add_loop_test(tests, a_convex_shape_passes_only_what_it_does_not_collide_with, 0, exemption_kinds);
