@@ -78,7 +78,7 @@ bool IsInFloor(const qcSweptObject& swept)
                        [&swept](const qcSweptFloor& floor) { return floor.HeightOf(*swept.hull, swept.end) < 0; });
 }
 
-/// `push`: at `arm`, gives the object this yield times the impulse.
+/// An impulse along `direction` at `arm`, times the time step: moves the end of the object by its yield times as much.
 void Push(qcSweptObject* swept, const Yield& yield, btScalar impulse, const btVector3& arm, const btVector3& direction)
 {
     if (yield.along == 0)

@@ -3,9 +3,9 @@
 #ifndef QC_GLUE_MESH_CONTACT_SWEPT_OBJECTS_H
 #define QC_GLUE_MESH_CONTACT_SWEPT_OBJECTS_H
 
+#include "common/rigid_limits.h"
 #include "mesh_contact/axis_cache.h"
 #include "mesh_contact/batch_scene.h"
-#include "common/rigid_limits.h"
 #include "mesh_contact/swept_mesh.h"
 #include "mesh_contact/swept_multibody.h"
 
