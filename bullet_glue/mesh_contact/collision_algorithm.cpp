@@ -374,6 +374,8 @@ btScalar qcMeshMeshAlgorithm::MarginOf(const btCollisionShape* shape) const
 void qcMeshPlaneAlgorithm::FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
                                       btScalar farther, btScalar timeStep, std::vector<qcMeshPoint>* points)
 {
+    if (!m_query)
+        m_batch->MarkStarts(&m_mark);
     bool swapped = body0.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE;
     const btCollisionObjectWrapper &meshBody = swapped ? body1 : body0, &planeBody = swapped ? body0 : body1;
     const qcMeshShape* mesh = qcAsMeshShape(meshBody.getCollisionShape());

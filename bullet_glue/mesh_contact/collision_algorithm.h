@@ -89,6 +89,9 @@ class qcMeshPlaneAlgorithm : public qcPointsAlgorithm
     {
         return true;
     }
+
+  private:
+    uint64_t m_mark = 0; ///< see qcMeshBatch::MarkStarts
 };
 
 #endif

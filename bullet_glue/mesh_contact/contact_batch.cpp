@@ -388,7 +388,7 @@ void qcMeshBatch::FindPoints(const qcPlacedMesh& a, const qcPlacedMesh& b, btSca
             *check != m_validity.GetNumber() && m_validity.IsAsChecked(a.object) && m_validity.IsAsChecked(b.object);
         if (!checked)
         {
-            m_limiter.MarkStarts();
+            MarkStarts();
             bool holds = m_validity.Check();
             ClearStatistics();
             if (!holds)
@@ -402,6 +402,26 @@ void qcMeshBatch::FindPoints(const qcPlacedMesh& a, const qcPlacedMesh& b, btSca
     }
     // The pair is not in the world's pair cache.
     QueryPair(a, b, qcContactDistance(a.shape, b.shape) + a.shape->getMargin() + b.shape->getMargin(), points);
+}
+
+void qcMeshBatch::MarkStarts()
+{
+    m_limiter.MarkStarts();
+    m_mark++;
+    m_isMarked = true;
+}
+
+void qcMeshBatch::MarkStarts(uint64_t* mark)
+{
+    // The second call since a mark, or the first one since the end of a step, belongs to a new step.
+    auto isNew = [this, mark] { return !m_isMarked || *mark == m_mark; };
+    if (isNew())
+    {
+        std::lock_guard<std::mutex> lock(m_mutex);
+        if (isNew())
+            MarkStarts();
+    }
+    *mark = m_mark;
 }
 
 void qcMeshBatch::QueryPair(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar distance,
@@ -467,6 +487,7 @@ void qcMeshBatch::Limit(btScalar timeStep)
 {
     ForgetLeftOut();
     m_limiter.Limit(timeStep, &statistics);
+    m_isMarked = false;
     if (m_limiter.NotFinite() != nullptr)
         LeaveOut(m_limiter.NotFinite());
 }

@@ -11,8 +11,6 @@
 
 namespace
 {
-// Contact lets bodies penetrate a little: a core has to be further inside.
-constexpr btScalar s_coreSize = btScalar(0.9);
 // Cores are kept for this many steps after their last use.
 constexpr uint64_t s_keptCores = 64;
 
@@ -26,7 +24,7 @@ btConvexHullComputer HullOf(const btConvexShape* shape)
     return hull;
 }
 
-qcConvexCore MakeCore(const btConvexShape* shape)
+qcConvexCore MakeCore(const btConvexShape* shape, btScalar size)
 {
     qcConvexCore core;
     const btConvexHullComputer hull = HullOf(shape);
@@ -40,7 +38,7 @@ qcConvexCore MakeCore(const btConvexShape* shape)
         centre += hull.vertices[i] / btScalar(hull.vertices.size());
     std::vector<btVector3> points;
     for (int i = 0; i < hull.vertices.size(); i++)
-        points.push_back(centre + s_coreSize * (hull.vertices[i] - centre));
+        points.push_back(centre + size * (hull.vertices[i] - centre));
     core.halfWidth = BT_LARGE_FLOAT;
     for (size_t i = 0; i < indices.size(); i += 3)
     {
@@ -72,7 +70,7 @@ const qcConvexCore& qcConvexCores::Find(const btConvexShape* shape)
     const uint64_t revision = qcMixHash(qcMeshRevision(shape), uint64_t(shape->getShapeType()) + 1);
     if (entry.revision != revision)
     {
-        entry.core = MakeCore(shape);
+        entry.core = MakeCore(shape, m_size);
         entry.revision = revision;
     }
     entry.step = m_step;

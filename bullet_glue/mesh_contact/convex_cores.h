@@ -1,4 +1,5 @@
-// Cores of convex shapes: polyhedra inside of them that pass no mesh, however fast the shapes' bodies are.
+// Cores of convex shapes: polyhedra inside of them that pass no mesh, however fast the shapes' bodies are, and however
+// hard they are pressed.
 #ifndef QC_GLUE_MESH_CONTACT_CONVEX_CORES_H
 #define QC_GLUE_MESH_CONTACT_CONVEX_CORES_H
 
@@ -10,8 +11,13 @@
 #include <memory>
 #include <unordered_map>
 
-/// The core of a convex shape, in the shape's frame: nine tenths of the hull of its outermost points along some
-/// directions.
+// The size of cores, as a part of their shapes' size. Contact lets bodies penetrate a little: a core has to be further
+// inside.
+constexpr btScalar qcCoreSize = btScalar(0.9);
+// For shapes that are in a mesh already, deeper than their core.
+constexpr btScalar qcInnerCoreSize = btScalar(0.4);
+
+/// The core of a convex shape, in the shape's frame: a part of the hull of its outermost points along some directions.
 struct qcConvexCore
 {
     std::unique_ptr<qcMeshShape> mesh; ///< null: the shape is flat, empty or not finite
@@ -23,6 +29,10 @@ struct qcConvexCore
 class qcConvexCores
 {
   public:
+    /// `size`: qcCoreSize or qcInnerCoreSize.
+    explicit qcConvexCores(btScalar size) : m_size(size)
+    {
+    }
     /// Begins a step.
     void BeginStep();
     /// The core, made anew if the shape's kind, scaling, margin or box is not as it was. Valid until the next
@@ -50,6 +60,7 @@ class qcConvexCores
         qcConvexCore core;
     };
 
+    const btScalar m_size;
     std::unordered_map<const btConvexShape*, Entry> m_entries;
     uint64_t m_step = 0;
 };

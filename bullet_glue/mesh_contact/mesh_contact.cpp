@@ -2,8 +2,10 @@
 #include "quickcullide/bullet_mesh.h"
 
 #include "mesh_contact/collision_algorithm.h"
+#include "mesh_contact/convex_mesh_algorithm.h"
 #include "quickcullide/bullet_debug_draw.h"
 
+#include <BulletCollision/CollisionDispatch/btCollisionConfiguration.h>
 #include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btConvexConcaveCollisionAlgorithm.h>
@@ -23,6 +25,7 @@ constexpr int s_meshTypes[] = {TRIANGLE_MESH_SHAPE_PROXYTYPE, SCALED_TRIANGLE_ME
 // btPoolAllocator returns slots of the size of Bullet's largest algorithm, whatever size is requested.
 static_assert(sizeof(qcMeshMeshAlgorithm) <= sizeof(btConvexConcaveCollisionAlgorithm), "fits into Bullet's pool");
 static_assert(sizeof(qcMeshPlaneAlgorithm) <= sizeof(btConvexConcaveCollisionAlgorithm), "fits into Bullet's pool");
+static_assert(sizeof(qcConvexMeshAlgorithm) <= sizeof(btConvexConcaveCollisionAlgorithm), "fits into Bullet's pool");
 
 template <class Algorithm>
 btCollisionAlgorithm* Make(btCollisionAlgorithmConstructionInfo& info, qcMeshBatch* batch, bool query)
@@ -105,12 +108,14 @@ struct qcMeshContact::Implementation
     }
 
     void Register(int type0, int type1, btCollisionAlgorithmCreateFunc* contact, btCollisionAlgorithmCreateFunc* query);
+    void RegisterConvex(int type0, int type1);
 
     qcMeshBatch batch;
     btCollisionDispatcher* dispatcher = nullptr;
     MeshMeshCreate meshContact{&batch, false}, meshQuery{&batch, true};
     LimitAction limitAction{&batch};
     MeshPlaneCreate planeContact{&batch, false}, planeQuery{&batch, true};
+    std::vector<std::unique_ptr<qcConvexMeshCreate>> convexContact;
 };
 
 /// Registers for both orders of the types.
@@ -121,6 +126,15 @@ void qcMeshContact::Implementation::Register(int type0, int type1, btCollisionAl
     dispatcher->registerCollisionCreateFunc(type1, type0, contact);
     dispatcher->registerClosestPointsCreateFunc(type0, type1, query);
     dispatcher->registerClosestPointsCreateFunc(type1, type0, query);
+}
+
+/// Registers for one order of the types: Bullet has a function for each.
+void qcMeshContact::Implementation::RegisterConvex(int type0, int type1)
+{
+    btCollisionAlgorithmCreateFunc* contact =
+        dispatcher->getCollisionConfiguration()->getCollisionAlgorithmCreateFunc(type0, type1);
+    convexContact.push_back(std::make_unique<qcConvexMeshCreate>(&batch, contact));
+    dispatcher->registerCollisionCreateFunc(type0, type1, convexContact.back().get());
 }
 
 qcMeshContact::qcMeshContact(qcDevice* device) : m_implementation(new Implementation(device))
@@ -138,6 +152,11 @@ void qcMeshContact::addTo(btCollisionWorld* world)
     {
         dynamics->addAction(&my.limitAction);
         qcAddRigidLimits(my.dispatcher, &my.batch);
+        for (int type = 0; type < CONCAVE_SHAPES_START_HERE; type++)
+        {
+            my.RegisterConvex(type, FAST_CONCAVE_MESH_PROXYTYPE);
+            my.RegisterConvex(FAST_CONCAVE_MESH_PROXYTYPE, type);
+        }
     }
     for (int type : s_meshTypes)
         my.Register(FAST_CONCAVE_MESH_PROXYTYPE, type, &my.meshContact, &my.meshQuery);

@@ -4,7 +4,7 @@
 #define QC_GLUE_MESH_CONTACT_MOTION_ISLANDS_H
 
 #include "common/union_find.h"
-#include "mesh_contact/swept_objects.h"
+#include "mesh_contact/swept_object.h"
 
 #include <set>
 

@@ -83,10 +83,12 @@ bool qcMotionLimiter::AreInEachOther(const qcSweptObject& a, const qcSweptObject
 }
 
 /// Objects that meet at the start only touch, up to rounding, or are exempt as a whole: a triangle inside another
-/// object has to leave it. True: pairs of small meshes touch that did not count as such.
-bool qcMotionLimiter::CollectMeetings(const qcResult& result)
+/// object has to leave it. `anyNew`: pairs of small meshes touch that did not count as such. True: cores that are in a
+/// mesh have been exchanged for smaller ones, so that the result is void.
+bool qcMotionLimiter::CollectMeetings(const qcResult& result, bool* anyNew)
 {
-    bool anyNew = false;
+    std::set<uint32_t> exchanged;
+    *anyNew = false;
     for (size_t i = 0; i < result.pairCount; i++)
     {
         const qcPair& pair = result.pairs[i];
@@ -95,13 +97,20 @@ bool qcMotionLimiter::CollectMeetings(const qcResult& result)
         const qcSweptObject &a = *triangles.a.swept, &b = *triangles.b.swept;
         if (pair.relation == qc_relationDisjoint && atStart.distance > double(qcCertifiableGap(a, b)))
             continue;
-        bool touches = !triangles.ArePenetrating(2 * qcTouchingDepth(a, b)) && !AreInEachOther(a, b, atStart);
         const Numbers numbers = qcNumbersOf(triangles.Objects());
+        if (exchanged.count(numbers.first) > 0 || exchanged.count(numbers.second) > 0)
+            continue;
+        bool touches = !triangles.ArePenetrating(2 * qcTouchingDepth(a, b)) && !AreInEachOther(a, b, atStart);
+        for (qcSweptObject* swept : {triangles.a.swept, triangles.b.swept})
+            if (!touches && m_objects.SweepInnerCores(swept))
+                exchanged.insert(swept->number);
+        if (exchanged.count(numbers.first) > 0 || exchanged.count(numbers.second) > 0)
+            continue;
         (touches ? m_meeting : m_exempt).insert(numbers);
         if (touches && a.hull != nullptr && b.hull != nullptr)
-            anyNew = m_touching.Add(numbers) || anyNew;
+            *anyNew = m_touching.Add(numbers) || *anyNew;
     }
-    return anyNew;
+    return !exchanged.empty();
 }
 
 /// Finds the pairs of triangles that are not exempt and end neither proven apart nor as they have met at the start.
@@ -121,24 +130,24 @@ void qcMotionLimiter::FindUnproven(const qcResult& result, bool pushes)
     }
 }
 
-/// The part of its own motion that the free body of a pair makes, the larger one of two. Multibodies are cut where no
-/// body is left to cut.
-btScalar qcMotionLimiter::MadePart(const qcSweptPair& pair)
+/// The parts of their own motion that the free bodies of a pair make, the larger one of two; 0: there are none.
+qcMotionLimiter::MadeParts qcMotionLimiter::FindMadeParts(const qcSweptPair& pair)
 {
-    btScalar ofBodies = 0, ofLinks = 0;
+    MadeParts made;
     for (const qcSweptObject* swept : {pair.first, pair.second})
         if (swept->IsFree())
         {
-            btScalar& made = swept->body != nullptr ? ofBodies : ofLinks;
-            made = std::max(made, swept->MadePart());
+            btScalar& part = swept->body != nullptr ? made.ofBodies : made.ofLinks;
+            part = std::max(part, swept->MadePart());
         }
-    return ofBodies > 0 ? ofBodies : ofLinks;
+    return made;
 }
 
 /// Cuts the motions of a pair, relative to their island's, back to a part.
 void qcMotionLimiter::Stop(const qcSweptPair& pair, btScalar part, btScalar distance)
 {
-    btScalar made = MadePart(pair), travel = 0;
+    const MadeParts parts = FindMadeParts(pair);
+    btScalar made = parts.ThatIsCut(), travel = 0;
     for (const qcSweptObject* swept : {pair.first, pair.second})
         travel += qcDisplacementBound(swept->carried, swept->target,
                                       swept->object->getCollisionShape()->getAngularMotionDisc());
@@ -146,12 +155,10 @@ void qcMotionLimiter::Stop(const qcSweptPair& pair, btScalar part, btScalar dist
     // also where the scene's rounding differs.
     part =
         std::min(std::max(part / 2, part - distance / travel), made / 2 < s_minPart ? btScalar(0) : made * s_maxPart);
-    const bool cutsBodies = (pair.first->body != nullptr && pair.first->fraction > 0) ||
-                            (pair.second->body != nullptr && pair.second->fraction > 0);
     for (qcSweptObject* swept : {pair.first, pair.second})
         if (swept->body != nullptr)
             swept->fraction = std::min(swept->fraction, part);
-        else if (swept->multibody != nullptr && !cutsBodies)
+        else if (swept->multibody != nullptr && !parts.CutsBodies())
             swept->multibody->CutTo(part);
 }
 
@@ -266,7 +273,7 @@ std::map<qcMotionLimiter::Numbers, qcMotionLimiter::Block> qcMotionLimiter::Find
     for (const qcClosingPair& closing : ClosingPairs())
         blocks[qcNumbersOf(closing.pair)] = {closing.pair, closing.FindPart(1), 0, 0};
     for (auto& [numbers, block] : blocks)
-        block.made = MadePart(block.pair);
+        block.made = FindMadeParts(block.pair).ThatIsCut();
     return blocks;
 }
 
@@ -492,17 +499,17 @@ bool qcMotionLimiter::CanPush() const
 }
 
 /// Detects the pairs that are not proven apart, and adds planes for them where `pushes`. Otherwise, after `cuts` such
-/// rounds, or where planes can push none, it cuts them, and sets `pushes` to false. False: there are none.
-bool qcMotionLimiter::StopPairs(bool* pushes, int cuts, std::set<Numbers>* reported)
+/// rounds, or where planes can push none, it cuts them.
+qcMotionLimiter::Round qcMotionLimiter::StopPairs(bool pushes, int cuts, std::set<Numbers>* reported)
 {
     if (m_pairs.empty() && !m_touching.AnyTouches())
-        return false;
+        return Round::ended;
     const qcResult none{};
     const qcResult* result = &none;
     if (!m_pairs.empty())
         m_status = m_scene.Detect(m_pairs, &result);
     if (m_status != qc_statusOk)
-        return false;
+        return Round::ended;
     for (qcSweptObject* swept : m_objects.Get())
         swept->tested = swept->end;
     reported->clear();
@@ -510,22 +517,23 @@ bool qcMotionLimiter::StopPairs(bool* pushes, int cuts, std::set<Numbers>* repor
         reported->insert(m_scene.NumbersOf(result->pairs[i]));
     for (const qcClosingPair& closing : m_touching.Closing())
         reported->insert(qcNumbersOf(closing.pair));
-    const bool anyNew = CollectMeetings(*result);
-    if (*pushes && anyNew)
-        return true;
-    FindUnproven(*result, *pushes);
-    if (m_unprovenTriangles.empty() && (*pushes || ClosingPairs().empty()))
-        return *pushes && m_touching.AnyTouches();
-    *pushes = *pushes && (CanPush() || m_touching.AnyTouches());
-    if (*pushes)
+    bool anyNew = false;
+    if (CollectMeetings(*result, &anyNew))
+        return Round::exchanged;
+    if (pushes && anyNew)
+        return Round::pushed;
+    FindUnproven(*result, pushes);
+    if (m_unprovenTriangles.empty() && (pushes || ClosingPairs().empty()))
+        return pushes && m_touching.AnyTouches() ? Round::pushed : Round::ended;
+    if (pushes && (CanPush() || m_touching.AnyTouches()))
     {
         AddPlanes();
-        return true;
+        return Round::pushed;
     }
     if (cuts == 0)
         EndPlanes();
     Cut(cuts);
-    return true;
+    return Round::cut;
 }
 
 /// Rounds of certificates and planes, then cuts, until all pairs are proven apart or exempt.
@@ -534,7 +542,8 @@ qcStatus qcMotionLimiter::Certify()
     std::set<Numbers> reported;
     m_status = qc_statusOk;
     int cuts = 0;
-    for (int round = 0;; round++)
+    Round done = Round::pushed;
+    for (int round = 0; done != Round::ended; round++)
     {
         FindPairs(round == 0);
         if (round == 0)
@@ -548,17 +557,15 @@ qcStatus qcMotionLimiter::Certify()
             swept->certified = swept->end;
         SkipSeparatedPairs();
         const bool isClosing = !ClosingPairs().empty();
-        bool pushes = cuts == 0 && round < (isClosing ? s_closingRounds : s_planeRounds);
-        if (!StopPairs(&pushes, cuts, &reported))
-            return m_status;
-        if (pushes)
+        done = StopPairs(cuts == 0 && round < (isClosing ? s_closingRounds : s_planeRounds), cuts, &reported);
+        if (done == Round::pushed)
         {
             m_planes.Solve(round > 0 && isClosing ? s_closingSweeps : s_planeSweeps);
             m_objects.CommitMultiBodies();
         }
-        else
-            cuts++;
+        cuts += done == Round::cut;
     }
+    return m_status;
 }
 
 void qcMotionLimiter::WriteStatistics(double start, qcMeshContactStatistics* statistics)

@@ -6,6 +6,7 @@
 
 #include "mesh_contact/axis_cache.h"
 #include "mesh_contact/motion_islands.h"
+#include "mesh_contact/swept_objects.h"
 #include "mesh_contact/swept_scene.h"
 #include "mesh_contact/touching_pairs.h"
 
@@ -72,6 +73,15 @@ class qcMotionLimiter
   private:
     using Numbers = std::pair<uint32_t, uint32_t>; ///< of two objects, the lower one first
 
+    /// What a round has done.
+    enum class Round
+    {
+        ended,     ///< nothing is left to do, or the detection failed
+        exchanged, ///< cores that are in a mesh for smaller ones
+        pushed,
+        cut
+    };
+
     /// Two objects whose motions are cut back.
     struct Block
     {
@@ -79,6 +89,21 @@ class qcMotionLimiter
         btScalar part = 1;     ///< of the motions that is proven apart; below 0: none
         btScalar distance = 0; ///< of the two triangles at the start
         btScalar made = 0;     ///< part of their motions that the objects make in this round
+    };
+
+    /// Parts of their motion that the objects of a pair make. Multibodies are cut where no body is left to cut.
+    struct MadeParts
+    {
+        btScalar ofBodies = 0, ofLinks = 0;
+
+        bool CutsBodies() const
+        {
+            return ofBodies > 0;
+        }
+        btScalar ThatIsCut() const
+        {
+            return CutsBodies() ? ofBodies : ofLinks;
+        }
     };
 
     /// Where two small meshes touch at the start of the step, if they do.
@@ -91,9 +116,9 @@ class qcMotionLimiter
 
     bool IsExempt(const qcSweptObject& a, const qcSweptObject& b) const;
     bool AreInEachOther(const qcSweptObject& a, const qcSweptObject& b, const qcProximity& atStart) const;
-    bool CollectMeetings(const qcResult& result);
+    bool CollectMeetings(const qcResult& result, bool* anyNew);
     void FindUnproven(const qcResult& result, bool pushes);
-    static btScalar MadePart(const qcSweptPair& pair);
+    static MadeParts FindMadeParts(const qcSweptPair& pair);
     static void Stop(const qcSweptPair& pair, btScalar part, btScalar distance);
     bool IsStill(const qcSweptPair& pair) const;
     bool Hold(const qcSweptPair& pair);
@@ -114,7 +139,7 @@ class qcMotionLimiter
     void SkipSeparatedPairs();
     void SkipSettledPairs(const std::set<Numbers>& reported);
     bool CanPush() const;
-    bool StopPairs(bool* pushes, int cuts, std::set<Numbers>* reported);
+    Round StopPairs(bool pushes, int cuts, std::set<Numbers>* reported);
     qcStatus Certify();
     void Commit(qcSweptObject* swept, btScalar timeStep) const;
     void CommitAll(btScalar timeStep);

@@ -4,7 +4,7 @@
 #ifndef QC_GLUE_MESH_CONTACT_MOTION_PLANES_H
 #define QC_GLUE_MESH_CONTACT_MOTION_PLANES_H
 
-#include "mesh_contact/swept_objects.h"
+#include "mesh_contact/swept_object.h"
 
 #include <array>
 #include <set>

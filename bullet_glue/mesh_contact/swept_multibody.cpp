@@ -5,7 +5,7 @@
 #include "common/object_key.h"
 #include "common/object_motion.h"
 #include "mesh_contact/rigid_motion.h"
-#include "mesh_contact/swept_objects.h"
+#include "mesh_contact/swept_object.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
@@ -14,6 +14,12 @@
 
 namespace
 {
+/// The index of a link's collider among the places of a multibody.
+size_t PlaceOf(const btCollisionObject* link)
+{
+    return size_t(qcAsLink(link)->m_link + 1);
+}
+
 /// True if Bullet moves the base or a joint.
 bool IsMoved(const btMultiBody& body)
 {
@@ -203,15 +209,21 @@ void qcSweptMultiBody::ReadTarget()
     m_isMoved = true;
 }
 
-bool qcSweptMultiBody::IsDynamic(int link) const
+bool qcSweptMultiBody::IsDynamic(const btMultiBodyLinkCollider& collider) const
 {
+    const int link = collider.m_link;
     return m_hasStart && size_t(link + 1) < m_starts.size() &&
            (link < 0 ? !m_body.isBaseStaticOrKinematic() : !m_body.isLinkAndAllAncestorsStaticOrKinematic(link));
 }
 
-bool qcSweptMultiBody::HasMoved(int link) const
+const btTransform& qcSweptMultiBody::StartOf(const btCollisionObject* link) const
 {
-    return !qcAreSame(m_starts[size_t(link + 1)], m_targets[size_t(link + 1)]);
+    return m_starts[PlaceOf(link)];
+}
+
+bool qcSweptMultiBody::HasMoved(const btCollisionObject* link) const
+{
+    return !qcAreSame(StartOf(link), m_targets[PlaceOf(link)]);
 }
 
 void qcSweptMultiBody::Add(qcSweptObject* swept)

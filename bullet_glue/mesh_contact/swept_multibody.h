@@ -3,6 +3,7 @@
 #ifndef QC_GLUE_MESH_CONTACT_SWEPT_MULTIBODY_H
 #define QC_GLUE_MESH_CONTACT_SWEPT_MULTIBODY_H
 
+#include "common/multibody_joints.h"
 #include "common/multibody_motion.h"
 
 #include <memory>
@@ -32,15 +33,12 @@ class qcSweptMultiBody
     {
         return !m_body.isBaseStaticOrKinematic();
     }
-    /// True for a link, -1 for the base, that joints move, of a multibody whose start is known.
-    bool IsDynamic(int link) const;
+    /// True for a link, or the base, that joints move, of a multibody whose start is known.
+    bool IsDynamic(const btMultiBodyLinkCollider& link) const;
     /// Where the collider of such a link starts the step.
-    const btTransform& StartOf(int link) const
-    {
-        return m_starts[size_t(link + 1)];
-    }
+    const btTransform& StartOf(const btCollisionObject* link) const;
     /// True if such a link has moved in the step.
-    bool HasMoved(int link) const;
+    bool HasMoved(const btCollisionObject* link) const;
     /// Takes part with a link that joints move, whose end follows its motion until the next step.
     void Add(qcSweptObject* swept);
     /// True if planes push it: where it was stopped in the previous step, too. The first time it is cut back: planes at

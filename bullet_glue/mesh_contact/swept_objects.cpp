@@ -21,6 +21,8 @@ namespace
 // Bullet's contact pushes a convex shape back to the side of a mesh from which it comes, unless it moves by more than
 // this part of its core's half width in a step; below this part of the contact breaking threshold none does.
 constexpr btScalar s_slowPart = btScalar(0.5), s_slowMotion = btScalar(0.1);
+// One that is deeper in a mesh than this part may be pressed through it slowly.
+constexpr btScalar s_deepPart = btScalar(0.1);
 // Steps for which a convex shape counts as fast, so that its starts are exact and its core stays in the scene.
 constexpr int s_coreSteps = 30;
 
@@ -56,51 +58,6 @@ bool IsBelow(const btVector3& a, const btVector3& b)
 }
 } // namespace
 
-btScalar qcSweptFloor::HeightOf(const qcSupportMesh& mesh, const btTransform& place) const
-{
-    const qcPlacedSupport placed{&mesh, place};
-    return normal.dot(place.getOrigin()) - mesh.Max(placed.ToLocal(-normal)) - level;
-}
-
-btTransform qcSweptObject::At(btScalar part) const
-{
-    if (part >= 1)
-        return target;
-    if (part <= 0)
-        return carried;
-    btVector3 axis;
-    btScalar angle;
-    btTransformUtil::calculateDiffAxisAngle(carried, target, axis, angle);
-    btMatrix3x3 turn(btQuaternion(axis, part * angle));
-    return btTransform(turn * carried.getBasis(), carried.getOrigin().lerp(target.getOrigin(), part));
-}
-
-void qcSweptObject::FindTravel()
-{
-    travel = qcDisplacementBound(start, target, object->getCollisionShape()->getAngularMotionDisc());
-}
-
-void qcSweptObject::FindBox()
-{
-    object->getCollisionShape()->getAabb(start, lower, upper);
-    moves = !qcAreSame(start, end) || Deforms();
-    if (!moves)
-        return;
-    for (const qcSweptMesh& mesh : meshes)
-        if (mesh.Deforms())
-        {
-            btVector3 box[2];
-            btTransformAabb(mesh.startBox[0], mesh.startBox[1], mesh.shape->getMargin(), start * mesh.local, box[0],
-                            box[1]);
-            lower.setMin(box[0]);
-            upper.setMax(box[1]);
-        }
-    btVector3 lowerEnd, upperEnd;
-    object->getCollisionShape()->getAabb(end, lowerEnd, upperEnd);
-    lower.setMin(lowerEnd);
-    upper.setMax(upperEnd);
-}
-
 /// Finds the start of a dynamic object: the end of the previous step if the velocities have moved it from there since.
 /// If not, or if it is new, the application has put it elsewhere, and it starts where the velocities took it from.
 void qcSweptObjects::FindStart(btScalar timeStep, qcSweptObject* swept)
@@ -115,8 +72,8 @@ void qcSweptObjects::FindStart(btScalar timeStep, qcSweptObject* swept)
     btTransform expected;
     btTransformUtil::integrateTransform(swept->start, linear, angular, timeStep, expected);
     btScalar radius = swept->object->getCollisionShape()->getAngularMotionDisc();
-    // Split impulses move bodies by more than their velocities do, and turn them most. The start of a convex shape is
-    // often not marked: it counts as put elsewhere only if its origin is.
+    // Split impulses move bodies by more than their velocities do, and turn them most. Where a convex shape has contact
+    // with others only, its start is not marked: it counts as put elsewhere only if its origin is.
     const bool isExplained =
         swept->cores != nullptr
             ? expected.getOrigin().distance(swept->target.getOrigin()) <= gContactBreakingThreshold + radius / 2
@@ -253,7 +210,7 @@ qcSweptMultiBody* qcSweptObjects::FindMultiBody(const btCollisionObject* object)
 {
     const btMultiBodyLinkCollider* link = m_multibodies.empty() ? nullptr : qcAsLink(object);
     auto found = link != nullptr ? m_multibodies.find(link->m_multiBody) : m_multibodies.end();
-    return found != m_multibodies.end() && found->second->IsDynamic(link->m_link) ? found->second.get() : nullptr;
+    return found != m_multibodies.end() && found->second->IsDynamic(*link) ? found->second.get() : nullptr;
 }
 
 /// Forgets multibodies that the world steps no more, without a look at them. `adds`: new ones are added.
@@ -306,9 +263,9 @@ btScalar qcSweptObjects::TravelNear(const btCollisionObject* object) const
 {
     const btScalar radius = object->getCollisionShape()->getAngularMotionDisc();
     const qcSweptMultiBody* multibody = FindMultiBody(object);
-    const btScalar own = multibody != nullptr ? qcDisplacementBound(multibody->StartOf(qcAsLink(object)->m_link),
-                                                                    object->getWorldTransform(), radius)
-                                              : qcRigidMotion(object).MaxSpeed(radius) * m_timeStep;
+    const btScalar own = multibody != nullptr
+                             ? qcDisplacementBound(multibody->StartOf(object), object->getWorldTransform(), radius)
+                             : qcRigidMotion(object).MaxSpeed(radius) * m_timeStep;
     btScalar largest = 0;
     btVector3 lower, upper;
     object->getCollisionShape()->getAabb(object->getWorldTransform(), lower, upper);
@@ -319,26 +276,35 @@ btScalar qcSweptObjects::TravelNear(const btCollisionObject* object) const
     return own + largest;
 }
 
+/// True if convex shapes whose cores have this half width may pass a mesh in the step: they are fast, or deep in one.
+bool qcSweptObjects::MayPass(const btCollisionObject* object, btScalar halfWidth) const
+{
+    return TravelNear(object) > std::max(s_slowPart * halfWidth, s_slowMotion * gContactBreakingThreshold) ||
+           m_depths.DepthOf(object) > s_deepPart * halfWidth;
+}
+
 /// True if the convex shapes of a dynamic body, a link or a static object may pass a mesh in the step, or might have
-/// lately.
+/// lately: they are fast, or deep in one. Those of kinematic bodies always may where a mesh is free, so that it is
+/// known where each step starts.
 bool qcSweptObjects::TakesCores(const btCollisionObject* object)
 {
     const btCollisionShape* shape = object->getCollisionShape();
     if (!(shape->isConvex() || shape->isCompound()) || !object->hasContactResponse())
         return false;
+    if (object->isKinematicObject())
+        return m_anyFreeMesh;
     if (!object->isStaticObject() && DynamicBody(const_cast<btCollisionObject*>(object)) == nullptr &&
         FindMultiBody(object) == nullptr)
         return false;
     const qcSweptObject* known = m_coreCount > 0 ? Find(object) : nullptr;
     if (known != nullptr && known->coreSteps > 0)
         return true;
-    const btScalar travel = TravelNear(object);
-    if (travel <= s_slowMotion * gContactBreakingThreshold)
+    if (!MayPass(object, 0))
         return false;
-    bool isFast = false;
-    m_cores.ForEachCore(shape, [&](const qcConvexCore& core, const btTransform&)
-                        { isFast = isFast || travel > s_slowPart * core.halfWidth; });
-    return isFast;
+    btScalar halfWidth = BT_LARGE_FLOAT;
+    m_cores.ForEachCore(shape, [&halfWidth](const qcConvexCore& core, const btTransform&)
+                        { halfWidth = std::min(halfWidth, core.halfWidth); });
+    return MayPass(object, halfWidth);
 }
 
 /// Reads the present transform of an object as its target.
@@ -353,27 +319,20 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
     swept.isDynamic = swept.body != nullptr || (swept.multibody != nullptr && swept.multibody->HasFreeBase());
     if (swept.multibody != nullptr)
     {
-        swept.start = swept.multibody->StartOf(asLink->m_link);
+        swept.start = swept.multibody->StartOf(object);
         swept.multibody->Add(&swept);
-        if (!swept.multibody->HasMoved(asLink->m_link))
+        if (!swept.multibody->HasMoved(object))
             swept.multibody = nullptr;
     }
     ReadShape(&swept, m_settings.gimpact);
     ReadTriangles(&swept, scene);
     swept.hull = swept.Deforms() ? nullptr : m_axes.FindMesh(object);
-    swept.cores = takesCores ? &m_cores : nullptr;
+    // What was deep in a mesh and still is keeps its inner cores: Bullet's depths are not exact.
+    const bool isInside = swept.cores == &m_innerCores && m_depths.DepthOf(object) > 0;
+    swept.cores = !takesCores ? nullptr : isInside ? &m_innerCores : &m_cores;
     if (takesCores && swept.isNew)
         swept.wasActive = object->isActive();
-    swept.halfWidth = swept.hasMesh ? btScalar(0) : BT_LARGE_FLOAT;
-    auto addCore = [&swept, object](const qcConvexCore& core, const btTransform&)
-    {
-        swept.hasMesh = true;
-        swept.halfWidth = std::min(swept.halfWidth, core.halfWidth);
-        if (object->getCollisionShape()->isConvex())
-            swept.hull = core.hull.get();
-    };
-    if (takesCores)
-        m_cores.ForEachCore(object->getCollisionShape(), addCore);
+    swept.ReadCores();
     swept.target = swept.end = object->getWorldTransform();
     FindFloors(&swept);
     // How far new meshes move decides which convex shapes take part.
@@ -410,8 +369,8 @@ bool qcSweptObjects::ReadObjects(qcScene* scene)
     bool anyMoved = false;
     size_t present = 0;
     btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
-    // Meshes first: how far they move decides which convex shapes may pass one.
-    m_anyOurs = false;
+    // Meshes first: how far they move, and what is deep in them, decides which convex shapes may pass one.
+    m_anyOurs = m_anyFreeMesh = false;
     m_movingMeshes.clear();
     m_notFinite = nullptr;
     for (int i = 0; i < objects.size(); i++)
@@ -426,11 +385,19 @@ bool qcSweptObjects::ReadObjects(qcScene* scene)
             qcSweptObject& swept = ReadTarget(objects[i], false, scene);
             anyMoved = anyMoved || !qcAreSame(swept.start, swept.target);
             m_anyOurs = m_anyOurs || swept.isOurs;
+            m_anyFreeMesh = m_anyFreeMesh || (swept.isOurs && (swept.body != nullptr || swept.owner != nullptr));
             if (!swept.isOurs || swept.travel <= s_slowMotion * gContactBreakingThreshold)
                 continue;
             swept.FindBox();
             m_movingMeshes.push_back(&swept);
         }
+    if (m_anyOurs)
+        m_depths.Read(m_settings.world->getDispatcher(),
+                      [this](const btCollisionObject* object)
+                      {
+                          const qcSweptObject* swept = Find(object);
+                          return swept != nullptr && swept->isOurs;
+                      });
     for (int i = 0; m_anyOurs && i < objects.size(); i++)
         if (qcIsFinite(*objects[i]) && TakesCores(objects[i]))
         {
@@ -482,7 +449,7 @@ void qcSweptObjects::StartWherePut()
         multibody->StartWherePut();
     for (qcSweptObject* swept : m_sorted)
         if (const qcSweptMultiBody* multibody = FindMultiBody(swept->object))
-            swept->start = multibody->StartOf(qcAsLink(swept->object)->m_link);
+            swept->start = multibody->StartOf(swept->object);
 }
 
 bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
@@ -496,6 +463,7 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
     EndDeformations();
     m_timeStep = timeStep;
     m_cores.BeginStep();
+    m_innerCores.BeginStep();
     const btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
     bool anyMesh = false;
     for (int i = 0; i < objects.size() && !anyMesh; i++)
@@ -533,9 +501,9 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
         swept->motion = motion;
         swept->carried = swept->start;
         swept->FindTravel();
-        const bool isFast = swept->cores != nullptr && TravelNear(swept->object) > s_slowPart * swept->halfWidth;
-        swept->coreSteps = isFast ? s_coreSteps : std::max(swept->coreSteps - 1, 0);
-        m_coreCount += swept->coreSteps > 0;
+        const bool isTaken = swept->cores != nullptr && MayPass(swept->object, swept->halfWidth);
+        swept->coreSteps = isTaken ? s_coreSteps : std::max(swept->coreSteps - 1, 0);
+        m_coreCount += swept->cores != nullptr;
         anyMoved = anyMoved || !qcAreSame(swept->start, swept->target) || swept->Deforms();
     }
     m_isMarked = false;
@@ -560,10 +528,6 @@ bool qcSweptObjects::Collide(const qcSweptObject& a, const qcSweptObject& b) con
     if (!(a.IsFree() || b.IsFree()) || !a.hasMesh || !b.hasMesh || !(a.isOurs || b.isOurs))
         return false;
     if (a.owner != nullptr && a.owner == b.owner)
-        return false;
-    // Bullet's contact keeps apart what is slow.
-    if ((a.cores != nullptr || b.cores != nullptr) &&
-        a.travel + b.travel <= s_slowPart * std::min(a.halfWidth, b.halfWidth))
         return false;
     btBroadphaseProxy *proxyA = a.object->getBroadphaseHandle(), *proxyB = b.object->getBroadphaseHandle();
     if (proxyA == nullptr || proxyB == nullptr)
@@ -608,6 +572,15 @@ void qcSweptObjects::RecordEnds()
         swept->wasFinite = true;
         swept->isNew = false;
     }
+}
+
+bool qcSweptObjects::SweepInnerCores(qcSweptObject* swept)
+{
+    if (swept->cores != &m_cores)
+        return false;
+    swept->cores = &m_innerCores;
+    swept->ReadCores();
+    return true;
 }
 
 qcSweptObject* qcSweptObjects::Find(const btCollisionObject* object) const

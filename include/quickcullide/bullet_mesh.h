@@ -219,10 +219,11 @@ struct qcMeshContactStatistics
 /// pairs that they press together. A kinematic body moves to where the application sets its transform, and takes along
 /// what is between; one that is put elsewhere needs setInterpolationWorldTransform, too. So do the triangles of a
 /// static or kinematic mesh that the application moves, by updateShape or by another qcMeshShape of the same triangles;
-/// one with a vertex that is further away than half its diagonal is put elsewhere. Convex shapes of dynamic bodies and
-/// static objects, in compounds too, and qcMeshShapes don't pass each other either: in steps in which they move against
-/// each other by more than half of the shape's half width, a polyhedron inside of each shape, of nine tenths of its
-/// size, is limited like a mesh. Slower ones have Bullet's contact alone. Links of a btMultiBody that the world steps
+/// one with a vertex that is further away than half its diagonal is put elsewhere. Convex shapes, in compounds too, and
+/// qcMeshShapes don't pass each other either: where they move against each other in a step by more than half of the
+/// shape's half width, or are pressed into each other by more than a tenth of it, a polyhedron inside of each shape, of
+/// nine tenths of its size, is limited like a mesh; one of four tenths where the larger one is in the mesh already.
+/// Others have Bullet's contact alone. Links of a btMultiBody that the world steps
 /// are limited with meshes and with convex shapes, against all but other links of the same one: the motion of its
 /// joints is cut back. On a btStaticPlaneShape contact alone holds meshes: those that land fast, spin fast or lie under
 /// a heap may sink in before it pushes them out.

@@ -10,9 +10,9 @@
 #include "support/suite.h"
 
 /// The cores of a shape as one model.
-inline qcModel qcCoreModel(const btCollisionShape* shape)
+inline qcModel qcCoreModel(const btCollisionShape* shape, btScalar size = qcCoreSize)
 {
-    qcConvexCores cores;
+    qcConvexCores cores(size);
     qcModel model;
     auto add = [&](const qcConvexCore& core, const btTransform& place)
     {

@@ -9,7 +9,7 @@
 
 namespace
 {
-constexpr int s_starts = 6, s_crowds = 60;
+constexpr int s_starts = 6, s_crowds = 60, s_heaps = 120;
 const btVector3 s_z(0, 0, 1);
 
 enum ConvexKind
@@ -69,6 +69,11 @@ qcModel WallModel()
     return qcBoxModel(btVector3(5, 5, btScalar(0.005)), 6);
 }
 
+qcModel SmallBoxModel()
+{
+    return qcBoxModel(btVector3(btScalar(0.2), btScalar(0.1), btScalar(0.3)), 2);
+}
+
 START_TEST(a_core_is_inside_its_shape)
 {
     std::unique_ptr<btCollisionShape> shape = MakeConvex(_i);
@@ -97,7 +102,7 @@ END_TEST
 
 START_TEST(a_core_follows_changes_of_its_shape)
 {
-    qcConvexCores cores;
+    qcConvexCores cores(qcCoreSize);
     btBoxShape box(btVector3(1, 1, 1));
     ck_assert_double_eq_tol(double(cores.Find(&box).halfWidth), 0.9, 1e-5);
     box.setLocalScaling(btVector3(1, btScalar(0.5), 1));
@@ -159,8 +164,7 @@ END_TEST
 START_TEST(fast_meshes_pass_no_static_convex_shape)
 {
     std::unique_ptr<btCollisionShape> shape = MakeConvex(_i);
-    const qcModel core = qcCoreModel(shape.get()),
-                  box = qcBoxModel(btVector3(btScalar(0.2), btScalar(0.1), btScalar(0.3)), 2);
+    const qcModel core = qcCoreModel(shape.get()), box = SmallBoxModel();
     int limited = 0;
     for (unsigned start = 1; start <= s_starts; start++)
         for (btScalar speed : {btScalar(10), btScalar(60), btScalar(300)})
@@ -230,6 +234,14 @@ START_TEST(fast_convex_shapes_that_push_each_other_pass_no_mesh)
 }
 END_TEST
 
+btRigidBody* AddKinematic(qcMeshWorld* world, btCollisionShape* shape, const btTransform& place)
+{
+    btRigidBody* body = world->Add(shape, 0, place);
+    body->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+    body->setActivationState(DISABLE_DEACTIVATION);
+    return body;
+}
+
 START_TEST(a_fast_kinematic_mesh_takes_along_a_convex_shape)
 {
     std::unique_ptr<btCollisionShape> shape = MakeConvex(_i);
@@ -237,9 +249,8 @@ START_TEST(a_fast_kinematic_mesh_takes_along_a_convex_shape)
     qcMeshWorld world;
     world.world.setGravity(btVector3(0, 0, 0));
     btRigidBody *swept = world.Add(shape.get(), 1, btVector3(0, 0, 0)),
-                *mover = world.Add(world.Keep(wall.MakeShape()), 0, btVector3(0, 0, 3));
-    mover->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-    mover->setActivationState(DISABLE_DEACTIVATION);
+                *mover = AddKinematic(&world, world.Keep(wall.MakeShape()),
+                                      btTransform(btQuaternion::getIdentity(), btVector3(0, 0, 3)));
     qcMotionOracle oracle;
     oracle.Add(core, swept);
     oracle.Add(wall, mover);
@@ -251,6 +262,148 @@ START_TEST(a_fast_kinematic_mesh_takes_along_a_convex_shape)
         ck_assert_uint_eq(oracle.Count(), 0);
     }
     ck_assert_double_lt(double(swept->getWorldTransform().getOrigin().z()), -3.9);
+}
+END_TEST
+
+START_TEST(fast_kinematic_convex_shapes_pass_no_mesh)
+{
+    std::unique_ptr<btCollisionShape> shape = MakeConvex(_i);
+    const qcModel core = qcCoreModel(shape.get()), box = SmallBoxModel();
+    int limited = 0;
+    for (unsigned start = 1; start <= s_starts; start++)
+        for (btScalar speed : {btScalar(3), btScalar(10), btScalar(60)})
+        {
+            qcRandomNumbers random(start);
+            qcMeshWorld world;
+            world.world.setGravity(btVector3(0, 0, 0));
+            qcMotionOracle oracle;
+            const btQuaternion turn(random.Vector(1).normalized(), random.Number(0, 3));
+            btTransform place(turn, btVector3(0, 0, 3));
+            btRigidBody* mover = AddKinematic(&world, shape.get(), place);
+            oracle.Add(core, mover);
+            oracle.Add(box, world.Add(world.Keep(box.MakeShape()), 1, random.Vector(0.1)));
+            const btVector3 spin = random.Vector(btScalar(0.1));
+            for (int step = 0; step < 60; step++)
+            {
+                place.setOrigin(place.getOrigin() - speed / 60 * s_z);
+                place.setRotation(btQuaternion(spin.normalized(), spin.length()) * place.getRotation());
+                mover->setWorldTransform(place);
+                world.Step();
+                limited += world.contact.getStatistics().limited;
+                ck_assert_int_eq(world.contact.getStatistics().unproven, 0);
+                ck_assert_uint_eq(oracle.Count(), 0);
+            }
+        }
+    ck_assert_int_gt(limited, 0);
+}
+END_TEST
+
+START_TEST(a_kinematic_convex_shape_that_is_put_elsewhere_takes_nothing_along)
+{
+    qcMeshWorld world;
+    world.world.setGravity(btVector3(0, 0, 0));
+    const qcModel box = SmallBoxModel();
+    btRigidBody* body = world.Add(world.Keep(box.MakeShape()), 1, btVector3(0, 0, 0));
+    btTransform place(btQuaternion::getIdentity(), btVector3(0, 0, 3));
+    btRigidBody* mover = AddKinematic(&world, world.Keep(MakeConvex(convex_box)), place);
+    for (int step = 0; step < 20; step++)
+    {
+        if (step == 10)
+        {
+            place.setOrigin(-3 * s_z);
+            mover->setWorldTransform(place);
+            mover->setInterpolationWorldTransform(place);
+        }
+        world.Step();
+        ck_assert_int_eq(world.contact.getStatistics().limited, 0);
+    }
+    ck_assert_double_eq(double(body->getWorldTransform().getOrigin().length()), 0);
+}
+END_TEST
+
+/// What is pressed on a mesh: a convex shape, or a compound of one, up to 25 cm in half.
+std::unique_ptr<btCollisionShape> MakePressed(qcMeshWorld* world, qcRandomNumbers* random, btScalar* height)
+{
+    const btVector3 half(random->Number(0.05, 0.25), random->Number(0.02, 0.25), random->Number(0.05, 0.25));
+    *height = half.y();
+    switch (int(random->Number(0, 4.99)))
+    {
+        case 0: return std::make_unique<btBoxShape>(half);
+        case 1: *height = half.x(); return std::make_unique<btSphereShape>(half.x());
+        case 2: return std::make_unique<btCylinderShape>(btVector3(half.x(), half.y(), half.x()));
+        case 3: *height = half.x(); return std::make_unique<btCapsuleShapeX>(half.x(), 2 * half.z());
+        default: break;
+    }
+    auto compound = std::make_unique<btCompoundShape>();
+    compound->addChildShape(btTransform::getIdentity(), world->Keep(std::make_unique<btBoxShape>(half)));
+    return compound;
+}
+
+/// Convex bodies above each other on a mesh. Inner cores are followed: they are apart from the mesh at the start.
+struct PressedHeap
+{
+    qcMeshWorld world;
+    qcMotionOracle oracle;
+    std::vector<std::unique_ptr<qcModel>> cores;
+    btScalar top = btScalar(0.06);
+
+    PressedHeap(unsigned start, int count, btScalar exponent)
+    {
+        qcRandomNumbers random(start);
+        for (int i = 0; i < count; i++)
+        {
+            btScalar height = 0;
+            btCollisionShape* shape = world.Keep(MakePressed(&world, &random, &height));
+            cores.emplace_back(new qcModel(qcCoreModel(shape, qcInnerCoreSize)));
+            const btVector3 at(random.Number(-0.3, 0.3), top + height + btScalar(0.01), random.Number(-0.3, 0.3));
+            const btScalar mass = btPow(10, random.Number(0, exponent));
+            oracle.Add(*cores.back(), world.Add(shape, mass, at), pressed);
+            top += 2 * height + btScalar(0.01);
+        }
+    }
+
+    /// Cores may be in each other.
+    static constexpr uint32_t pressed = 1;
+};
+
+START_TEST(heavy_heaps_press_nothing_through_a_mesh)
+{
+    const qcModel floor = qcFloorModel(4, 8);
+    for (unsigned start = 1; start <= s_heaps; start++)
+    {
+        PressedHeap heap(start, 2 + int(start % 8), 3);
+        heap.oracle.Add(floor, heap.world.Add(heap.world.Keep(floor.MakeShape()), 0, btVector3(0, 0, 0)));
+        for (int step = 0; step < 240; step++)
+        {
+            heap.world.Step();
+            ck_assert_int_eq(heap.world.contact.getStatistics().unproven, 0);
+            ck_assert_uint_eq(heap.oracle.Count(), 0);
+        }
+    }
+}
+END_TEST
+
+START_TEST(a_piston_presses_nothing_through_a_mesh)
+{
+    const qcModel floor = qcFloorModel(4, 40);
+    for (unsigned start = 1; start <= s_heaps; start++)
+    {
+        PressedHeap heap(start, 1 + int(start % 5), 1);
+        heap.oracle.Add(floor, heap.world.Add(heap.world.Keep(floor.MakeShape()), 0, btVector3(0, 0, 0)));
+        btTransform place(btQuaternion::getIdentity(), btVector3(0, heap.top + btScalar(0.3), 0));
+        btRigidBody* piston = AddKinematic(
+            &heap.world, heap.world.Keep(std::make_unique<btBoxShape>(btVector3(2, btScalar(0.2), 2))), place);
+        const btScalar speed = btScalar(0.1) + btScalar(start % 7) / 5;
+        for (int step = 0; step < 240; step++)
+        {
+            // It stops next to the floor.
+            place.getOrigin().setY(std::max(place.getOrigin().y() - speed * qcStep, btScalar(0.3)));
+            piston->setWorldTransform(place);
+            heap.world.Step();
+            ck_assert_int_eq(heap.world.contact.getStatistics().unproven, 0);
+            ck_assert_uint_eq(heap.oracle.Count(), 0);
+        }
+    }
 }
 END_TEST
 
@@ -334,6 +487,10 @@ QC_TEST_MAIN()
     tcase_add_loop_test(tests, fast_meshes_pass_no_static_convex_shape, 0, convex_kinds);
     tcase_add_test(tests, fast_convex_shapes_that_push_each_other_pass_no_mesh);
     tcase_add_loop_test(tests, a_fast_kinematic_mesh_takes_along_a_convex_shape, 0, convex_kinds);
+    tcase_add_loop_test(tests, fast_kinematic_convex_shapes_pass_no_mesh, 0, convex_kinds);
+    tcase_add_test(tests, a_kinematic_convex_shape_that_is_put_elsewhere_takes_nothing_along);
+    tcase_add_test(tests, heavy_heaps_press_nothing_through_a_mesh);
+    tcase_add_test(tests, a_piston_presses_nothing_through_a_mesh);
     tcase_add_loop_test(tests, a_convex_shape_passes_only_what_it_does_not_collide_with, 0, exemption_kinds);
     tcase_add_test(tests, slow_convex_shapes_are_left_to_bullet);
     suite_add_tcase(suite, tests);

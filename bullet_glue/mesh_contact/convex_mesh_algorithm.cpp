@@ -1,0 +1,44 @@
+// The collision algorithm of a convex shape and a qcMeshShape: Bullet's own. It also notes where bodies start the step.
+#include "mesh_contact/convex_mesh_algorithm.h"
+
+#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
+
+qcConvexMeshAlgorithm::qcConvexMeshAlgorithm(const btCollisionAlgorithmConstructionInfo& info, qcMeshBatch* batch,
+                                             btCollisionAlgorithm* contact)
+    : btCollisionAlgorithm(info), m_batch(batch), m_contact(contact)
+{
+}
+
+qcConvexMeshAlgorithm::~qcConvexMeshAlgorithm()
+{
+    m_contact->~btCollisionAlgorithm();
+    m_dispatcher->freeCollisionAlgorithm(m_contact);
+}
+
+void qcConvexMeshAlgorithm::processCollision(const btCollisionObjectWrapper* body0,
+                                             const btCollisionObjectWrapper* body1,
+                                             const btDispatcherInfo& dispatchInfo, btManifoldResult* result)
+{
+    m_batch->MarkStarts(&m_mark);
+    m_contact->processCollision(body0, body1, dispatchInfo, result);
+}
+
+btScalar qcConvexMeshAlgorithm::calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1,
+                                                      const btDispatcherInfo& dispatchInfo, btManifoldResult* result)
+{
+    return m_contact->calculateTimeOfImpact(body0, body1, dispatchInfo, result);
+}
+
+void qcConvexMeshAlgorithm::getAllContactManifolds(btManifoldArray& manifolds)
+{
+    m_contact->getAllContactManifolds(manifolds);
+}
+
+btCollisionAlgorithm* qcConvexMeshCreate::CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
+                                                                   const btCollisionObjectWrapper* body0,
+                                                                   const btCollisionObjectWrapper* body1)
+{
+    btCollisionAlgorithm* made = contact->CreateCollisionAlgorithm(info, body0, body1);
+    void* place = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(qcConvexMeshAlgorithm));
+    return new (place) qcConvexMeshAlgorithm(info, batch, made);
+}

@@ -1,0 +1,45 @@
+// The collision algorithm of a convex shape and a qcMeshShape: Bullet's own. It also notes where bodies start the step.
+#ifndef QC_GLUE_MESH_CONTACT_CONVEX_MESH_ALGORITHM_H
+#define QC_GLUE_MESH_CONTACT_CONVEX_MESH_ALGORITHM_H
+
+#include "mesh_contact/contact_batch.h"
+
+#include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
+#include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
+
+class qcConvexMeshAlgorithm : public btCollisionAlgorithm
+{
+  public:
+    /// Takes over `contact`, which the dispatcher has allocated.
+    qcConvexMeshAlgorithm(const btCollisionAlgorithmConstructionInfo& info, qcMeshBatch* batch,
+                          btCollisionAlgorithm* contact);
+    ~qcConvexMeshAlgorithm() override;
+
+    void processCollision(const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,
+                          const btDispatcherInfo& dispatchInfo, btManifoldResult* result) override;
+    btScalar calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1,
+                                   const btDispatcherInfo& dispatchInfo, btManifoldResult* result) override;
+    void getAllContactManifolds(btManifoldArray& manifolds) override;
+
+  private:
+    qcMeshBatch* m_batch;
+    btCollisionAlgorithm* m_contact;
+    uint64_t m_mark = 0; ///< see qcMeshBatch::MarkStarts
+};
+
+/// Makes these algorithms, with contact by another function.
+struct qcConvexMeshCreate : btCollisionAlgorithmCreateFunc
+{
+    qcConvexMeshCreate(qcMeshBatch* ofWorld, btCollisionAlgorithmCreateFunc* contactFunction)
+        : batch(ofWorld), contact(contactFunction)
+    {
+    }
+    btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
+                                                   const btCollisionObjectWrapper* body0,
+                                                   const btCollisionObjectWrapper* body1) override;
+
+    qcMeshBatch* batch;
+    btCollisionAlgorithmCreateFunc* contact;
+};
+
+#endif

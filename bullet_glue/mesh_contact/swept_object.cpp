@@ -1,0 +1,65 @@
+// An object of a world that holds meshes, or cores of convex shapes, with its motion in a step.
+#include "mesh_contact/swept_object.h"
+
+#include <LinearMath/btAabbUtil2.h>
+#include <LinearMath/btTransformUtil.h>
+
+btScalar qcSweptFloor::HeightOf(const qcSupportMesh& mesh, const btTransform& place) const
+{
+    const qcPlacedSupport placed{&mesh, place};
+    return normal.dot(place.getOrigin()) - mesh.Max(placed.ToLocal(-normal)) - level;
+}
+
+btTransform qcSweptObject::At(btScalar part) const
+{
+    if (part >= 1)
+        return target;
+    if (part <= 0)
+        return carried;
+    btVector3 axis;
+    btScalar angle;
+    btTransformUtil::calculateDiffAxisAngle(carried, target, axis, angle);
+    btMatrix3x3 turn(btQuaternion(axis, part * angle));
+    return btTransform(turn * carried.getBasis(), carried.getOrigin().lerp(target.getOrigin(), part));
+}
+
+void qcSweptObject::ReadCores()
+{
+    const bool isConvex = object->getCollisionShape()->isConvex();
+    halfWidth = hasMesh && !isConvex ? btScalar(0) : BT_LARGE_FLOAT;
+    auto add = [this, isConvex](const qcConvexCore& core, const btTransform&)
+    {
+        hasMesh = true;
+        halfWidth = std::min(halfWidth, core.halfWidth);
+        if (isConvex)
+            hull = core.hull.get();
+    };
+    if (cores != nullptr)
+        cores->ForEachCore(object->getCollisionShape(), add);
+}
+
+void qcSweptObject::FindTravel()
+{
+    travel = qcDisplacementBound(start, target, object->getCollisionShape()->getAngularMotionDisc());
+}
+
+void qcSweptObject::FindBox()
+{
+    object->getCollisionShape()->getAabb(start, lower, upper);
+    moves = !qcAreSame(start, end) || Deforms();
+    if (!moves)
+        return;
+    for (const qcSweptMesh& mesh : meshes)
+        if (mesh.Deforms())
+        {
+            btVector3 box[2];
+            btTransformAabb(mesh.startBox[0], mesh.startBox[1], mesh.shape->getMargin(), start * mesh.local, box[0],
+                            box[1]);
+            lower.setMin(box[0]);
+            upper.setMax(box[1]);
+        }
+    btVector3 lowerEnd, upperEnd;
+    object->getCollisionShape()->getAabb(end, lowerEnd, upperEnd);
+    lower.setMin(lowerEnd);
+    upper.setMax(upperEnd);
+}

@@ -1,0 +1,131 @@
+// An object of a world that holds meshes, or cores of convex shapes, with its motion in a step.
+#ifndef QC_GLUE_MESH_CONTACT_SWEPT_OBJECT_H
+#define QC_GLUE_MESH_CONTACT_SWEPT_OBJECT_H
+
+#include "mesh_contact/batch_scene.h"
+#include "mesh_contact/swept_mesh.h"
+#include "mesh_contact/swept_multibody.h"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <algorithm>
+
+/// A static plane under a small mesh. Limits move the mesh no deeper into it than it was at the target.
+struct qcSweptFloor
+{
+    btVector3 normal; ///< unit, upwards
+    btScalar level;   ///< least product of a vertex with the normal
+
+    /// Height of the mesh's lowest vertex above the level, where it has this transform.
+    btScalar HeightOf(const qcSupportMesh& mesh, const btTransform& place) const;
+};
+
+struct qcSweptObject
+{
+    btCollisionObject* object = nullptr;
+    btRigidBody* body = nullptr;           ///< null: no rigid body that Bullet moves
+    const btMultiBody* owner = nullptr;    ///< of a link
+    qcSweptMultiBody* multibody = nullptr; ///< of a link that has moved, so that its motion can be cut
+    bool isDynamic = false;                ///< Bullet moves it alone: `body`, or a link of a multibody with a free base
+    uint32_t number = 0;                   ///< in the order in which objects entered the world; see qcIdCounter
+    uint32_t index = 0;                    ///< in the present list of objects
+    uint64_t step = 0;                     ///< the last update that found the object in the world
+    bool hasMesh = false;                  ///< one of its shapes consists of triangles; planes do not
+    bool isOurs = false;                   ///< contact of one of its meshes with any other mesh is computed here
+    qcConvexCores* cores = nullptr;        ///< its convex shapes are swept as these; null: they are not
+    int coreSteps = 0;                     ///< for how long they are swept yet
+    btScalar halfWidth = BT_LARGE_FLOAT;   ///< the least of its cores
+    btScalar travel = 0;                   ///< upper bound of its points' motion from start to target
+    const qcSupportMesh* hull = nullptr;   ///< its mesh or core, if it consists of one small one
+    bool isNew = true;                     ///< in its first step
+    bool wasActive = false;                ///< a dynamic body that did not sleep when contact was searched
+    bool wasFinite = true;                 ///< when the step started
+    bool moves = false;                    ///< its end is not its start
+    const qcBatchObject* known = nullptr;  ///< the object in the scene of contact, or null
+    bool isLookedUp = false;               ///< `known` is of this step
+    btTransform start, target; ///< before and after the step; the target is Bullet's, or where planes have pushed it
+    btTransform carried;       ///< the start, moved by the common motion of its island
+    btTransform end;           ///< after the step, as the limiter has it so far
+    btTransform tested;        ///< the end at the last detection of this step
+    btTransform certified;     ///< the end in the last round of certificates
+    bool isUnmoved = false;    ///< the end is the one certified in this step's last round
+    btTransform next;          ///< where the next step starts
+    btTransform last;          ///< where the previous step ended
+    uint32_t pushes = 0;       ///< number of times that planes have moved the end
+    btScalar fraction = 1;     ///< of the motion from `carried` to the target that the body makes
+    btVector3 motion{0, 0, 0}; ///< of the origin in the previous step, for objects that Bullet does not move
+    btScalar lost = 0;         ///< part of its own motion that the object has not made in this step
+    bool isLimited = false;    ///< it does not end this step where Bullet had moved it
+    btVector3 lower, upper;    ///< box around the meshes at start and end
+    std::vector<qcSweptFloor> floors; ///< of a dynamic body that consists of one small mesh
+    /// Empty until the object is near another one, has contact, or its triangles are moved by the application.
+    std::vector<qcSweptMesh> meshes;
+    uint64_t revision = 0; ///< of the triangles of an object that Bullet does not move, in the last step; 0: none
+
+    /// False: the application alone moves the object, and its motion is not cut.
+    bool IsFree() const
+    {
+        return body != nullptr || multibody != nullptr;
+    }
+    /// True if planes can push the object.
+    bool CanPush() const
+    {
+        return body != nullptr || (multibody != nullptr && multibody->Yields());
+    }
+    /// The part of its motion that the object makes.
+    btScalar MadePart() const
+    {
+        return multibody != nullptr ? multibody->Fraction() : fraction;
+    }
+    /// The transform after this part of the motion; `carried` and target exactly for 0 and 1. For links about.
+    btTransform At(btScalar part) const;
+    /// The end if the object makes no more than this part. Objects that don't move freely make all of their motion.
+    btTransform EndAt(btScalar part) const
+    {
+        return IsFree() && part < MadePart() ? At(part) : end;
+    }
+    /// Adds what `cores` has: sets `hasMesh`, `halfWidth` and, for a convex shape, `hull`.
+    void ReadCores();
+    /// Sets `travel`.
+    void FindTravel();
+    /// Sets `moves` and the box, from start and end.
+    void FindBox();
+    /// True if a mesh of it deforms in the step.
+    bool Deforms() const
+    {
+        return std::any_of(meshes.begin(), meshes.end(), [](const qcSweptMesh& mesh) { return mesh.Deforms(); });
+    }
+};
+
+using qcSweptPair = std::pair<qcSweptObject*, qcSweptObject*>; ///< the lower number first
+
+/// The numbers of two objects, the lower one first.
+inline std::pair<uint32_t, uint32_t> qcNumbersOf(const qcSweptPair& pair)
+{
+    return std::minmax(pair.first->number, pair.second->number);
+}
+
+/// The order of pairs, by the numbers of their objects.
+inline bool qcIsBefore(const qcSweptPair& x, const qcSweptPair& y)
+{
+    return qcNumbersOf(x) < qcNumbersOf(y);
+}
+
+/// The largest part of a motion, up to `limit` and bisection, for which `holds` is true; below 0: none.
+template <class Holds> btScalar qcFindLargestPart(btScalar limit, const Holds& holds)
+{
+    if (holds(limit))
+        return limit;
+    if (!holds(btScalar(0)))
+        return -1;
+    constexpr int bisections = 16; // a part of 1e-5 of the motion is left undecided
+    btScalar low = 0, high = limit;
+    for (int i = 0; i < bisections; i++)
+    {
+        btScalar middle = (low + high) / 2;
+        (holds(middle) ? low : high) = middle;
+    }
+    return low;
+}
+
+#endif
