@@ -1,15 +1,11 @@
 // Small meshes as their convex hulls.
 #include "common/support_mesh.h"
 
-#include "common/lanes.h"
-
 #include <algorithm>
 #include <cstring>
 
 namespace
 {
-// Vertices are compared in blocks of two vectors.
-constexpr size_t s_block = 2 * qcLaneCount;
 // A fragment of a fracture has some hundred triangles, a fine one thousands, and a plane between it and the next: with
 // up to 600, 31 pieces of a bunny of 69 666 triangles take 2.7 s for their first step, and 0.02 s with this. Bunnies of
 // 69 666 triangles are seldom separated, and take a seventh more (qc-bench piles).
@@ -41,19 +37,6 @@ void MakeLists(uint32_t vertexCount, uint32_t itemCount, int corners, Item item,
         for (int c = corners; c-- > 0;)
             lists->numbers[--lists->starts[item(i, c)]] = i;
 }
-
-/// The coordinates of vertices, and the direction with which their products are compared.
-struct Products
-{
-    const btScalar *x, *y, *z;
-    btScalar dx, dy, dz;
-
-    /// The products of the vertices from `first` on.
-    qcLanes At(size_t first) const
-    {
-        return qcLoadLanes(x + first) * dx + qcLoadLanes(y + first) * dy + qcLoadLanes(z + first) * dz;
-    }
-};
 
 struct SizedFace
 {
@@ -109,19 +92,11 @@ bool qcSupportMesh::IsSmall(size_t triangleCount)
     return triangleCount > 0 && triangleCount <= s_maxTriangles;
 }
 
-qcSupportMesh::qcSupportMesh(const btCollisionShape* shape) : m_triangles(shape, nullptr)
+qcSupportMesh::qcSupportMesh(const btCollisionShape* shape)
+    : m_triangles(shape, nullptr), m_vertices(m_triangles.points, m_triangles.pointCount)
 {
-    size_t count = m_triangles.pointCount, padded = (count + s_block - 1) / s_block * s_block;
-    for (std::vector<btScalar>* axis : {&m_x, &m_y, &m_z})
-        axis->reserve(padded);
-    for (size_t i = 0; i < padded; i++)
-    {
-        const btVector3& point = m_triangles.points[std::min(i, count - 1)];
-        m_x.push_back(point.x());
-        m_y.push_back(point.y());
-        m_z.push_back(point.z());
-        m_radius = std::max(m_radius, point.length());
-    }
+    for (size_t i = 0; i < m_triangles.pointCount; i++)
+        m_radius = std::max(m_radius, m_triangles.points[i].length());
     MakeLists(
         m_triangles.pointCount, m_triangles.count, 3,
         [this](uint32_t t, int c) { return m_triangles.indices[3 * t + uint32_t(c)]; }, &m_trianglesOf);
@@ -208,52 +183,4 @@ const qcSupportMesh::EdgeLists& qcSupportMesh::KeepEdges() const
         m_edges.reset(new EdgeLists(FindEdges()));
     m_foundEdges.store(m_edges.get(), std::memory_order_release);
     return *m_edges;
-}
-
-btScalar qcSupportMesh::Max(const btVector3& direction) const
-{
-    const Products products{m_x.data(), m_y.data(), m_z.data(), direction.x(), direction.y(), direction.z()};
-    qcLanes low = qcLanes{} - BT_LARGE_FLOAT, high = low;
-    for (size_t i = 0; i < m_x.size(); i += s_block)
-    {
-        qcLanes first = products.At(i), second = products.At(i + qcLaneCount);
-        low = first > low ? first : low;
-        high = second > high ? second : high;
-    }
-    low = high > low ? high : low;
-    btScalar max = low[0];
-    for (size_t lane = 1; lane < qcLaneCount; lane++)
-        max = std::max(max, low[lane]);
-    return max;
-}
-
-uint32_t qcSupportMesh::FindMax(const btVector3& direction) const
-{
-    const Products products{m_x.data(), m_y.data(), m_z.data(), direction.x(), direction.y(), direction.z()};
-    btScalar max = Max(direction);
-    for (size_t i = 0; i < m_triangles.pointCount; i += qcLaneCount)
-    {
-        qcLanes lanes = products.At(i);
-        if (!qcIsAny(lanes >= max))
-            continue;
-        size_t lane = 0;
-        while (lanes[lane] < max)
-            lane++;
-        return uint32_t(i + lane);
-    }
-    return 0; // only if a coordinate is not finite
-}
-
-void qcSupportMesh::AppendAbove(const btVector3& direction, btScalar least, std::vector<uint32_t>* vertices) const
-{
-    const Products products{m_x.data(), m_y.data(), m_z.data(), direction.x(), direction.y(), direction.z()};
-    for (size_t i = 0; i < m_triangles.pointCount; i += qcLaneCount)
-    {
-        qcLanes lanes = products.At(i);
-        if (!qcIsAny(lanes >= least))
-            continue;
-        for (size_t lane = 0; lane < std::min(qcLaneCount, m_triangles.pointCount - i); lane++)
-            if (lanes[lane] >= least)
-                vertices->push_back(uint32_t(i + lane));
-    }
 }

@@ -2,6 +2,7 @@
 #ifndef QC_GLUE_COMMON_SUPPORT_MESH_H
 #define QC_GLUE_COMMON_SUPPORT_MESH_H
 
+#include "common/extreme_vertices.h"
 #include "common/shape_triangles.h"
 
 #include <atomic>
@@ -18,12 +19,15 @@ class qcSupportMesh
     /// The mesh has few enough triangles that contact by the hulls of two is worth a search of all vertices.
     static bool IsSmall(size_t triangleCount);
 
-    /// The largest product of a vertex with the direction. O(vertices).
-    btScalar Max(const btVector3& direction) const;
-    /// A vertex with that product. O(vertices).
-    uint32_t FindMax(const btVector3& direction) const;
-    /// Appends the vertices whose product with the direction is at least `least`. O(vertices).
-    void AppendAbove(const btVector3& direction, btScalar least, std::vector<uint32_t>* vertices) const;
+    /// The largest product of a vertex with the direction; see qcExtremeVertices.
+    btScalar Max(const btVector3& direction) const
+    {
+        return m_vertices.Max(direction);
+    }
+    const qcExtremeVertices& Vertices() const
+    {
+        return m_vertices;
+    }
 
     const qcMeshTriangles& Triangles() const
     {
@@ -110,7 +114,7 @@ class qcSupportMesh
     const EdgeLists& KeepEdges() const;
 
     qcMeshTriangles m_triangles;
-    std::vector<btScalar> m_x, m_y, m_z; ///< of the vertices; padded with copies of the last one
+    qcExtremeVertices m_vertices;
     std::vector<btVector3> m_normals;
     std::vector<Face> m_faces, m_facesByMax;
     Lists m_trianglesOf;

@@ -23,7 +23,7 @@ struct Extreme
         if (side.isWhole)
         {
             const qcPlacedSupport hull{side.swept->hull, side.swept->end};
-            btVector3 point = hull.VertexAt(hull.mesh->FindMax(hull.ToLocal(-direction)));
+            btVector3 point = hull.VertexAt(hull.mesh->Vertices().FindMax(hull.ToLocal(-direction)));
             height = direction.dot(point);
             arm = point - side.swept->end.getOrigin();
             return;

@@ -117,7 +117,7 @@ void qcPlaneContact::Read(const qcPlacedSupport& placed, const btVector3& outwar
     side->edges.Clear();
     side->near.clear();
     btVector3 local = placed.ToLocal(outward);
-    mesh.AppendAbove(local, mesh.Max(local) - thickness, &side->near);
+    mesh.Vertices().AppendAbove(local, mesh.Max(local) - thickness, &side->near);
     if (side->isNear.size() < mesh.Triangles().pointCount)
         side->isNear.resize(mesh.Triangles().pointCount);
     for (uint32_t vertex : side->near)

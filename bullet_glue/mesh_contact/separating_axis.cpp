@@ -160,8 +160,8 @@ bool Iterate(const qcPlacedSupport& a, const qcPlacedSupport& b, btScalar enough
     for (int i = 0; i < s_maxIterations; i++)
     {
         Corner corner;
-        corner.a = a.mesh->FindMax(a.ToLocal(axis));
-        corner.b = b.mesh->FindMax(b.ToLocal(-axis));
+        corner.a = a.mesh->Vertices().FindMax(a.ToLocal(axis));
+        corner.b = b.mesh->Vertices().FindMax(b.ToLocal(-axis));
         corner.point = b.VertexAt(corner.b) - a.VertexAt(corner.a);
         btScalar gap = corner.point.dot(axis);
         if (gap > separation->gap)

@@ -261,14 +261,16 @@ void qcSweptObjects::UpdateMultiBodies() const
 /// Upper bound of the motion of a dynamic body or a link against the meshes near it, in a step.
 btScalar qcSweptObjects::TravelNear(const btCollisionObject* object) const
 {
-    const btScalar radius = object->getCollisionShape()->getAngularMotionDisc();
+    // A sphere that turns is where it was.
+    const btCollisionShape* shape = object->getCollisionShape();
+    const btScalar radius = shape->getShapeType() == SPHERE_SHAPE_PROXYTYPE ? 0 : shape->getAngularMotionDisc();
     const qcSweptMultiBody* multibody = FindMultiBody(object);
     const btScalar own = multibody != nullptr
                              ? qcDisplacementBound(multibody->StartOf(object), object->getWorldTransform(), radius)
                              : qcRigidMotion(object).MaxSpeed(radius) * m_timeStep;
     btScalar largest = 0;
     btVector3 lower, upper;
-    object->getCollisionShape()->getAabb(object->getWorldTransform(), lower, upper);
+    shape->getAabb(object->getWorldTransform(), lower, upper);
     const btVector3 around(own, own, own);
     for (const qcSweptObject* mesh : m_movingMeshes)
         if (mesh->travel > largest && IsBelow(lower - around, mesh->upper) && IsBelow(mesh->lower, upper + around))

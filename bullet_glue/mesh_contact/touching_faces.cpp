@@ -31,8 +31,8 @@ void FindCommon(const qcPlacedSupport& a, const qcPlacedSupport& b, const btVect
     std::vector<uint32_t> nearA, nearB;
     nearA.reserve(s_fewVertices);
     nearB.reserve(s_fewVertices);
-    a.mesh->AppendAbove(localA, maxA - error, &nearA);
-    b.mesh->AppendAbove(localB, maxB - error, &nearB);
+    a.mesh->Vertices().AppendAbove(localA, maxA - error, &nearA);
+    b.mesh->Vertices().AppendAbove(localB, maxB - error, &nearB);
     std::vector<btVector3> points;
     points.reserve(nearB.size());
     for (uint32_t j : nearB)

@@ -1,0 +1,201 @@
+// The extreme vertices of a mesh along a direction.
+#include "common/extreme_vertices.h"
+
+#include <cmath>
+#include <limits>
+
+namespace
+{
+// Vertices of a run, and of the smallest mesh that has runs: for fewer the boxes take as long as what they save.
+constexpr size_t s_run = 64, s_minVertices = 512;
+static_assert(s_run % qcProducts::s_block == 0, "runs are whole blocks");
+// Cells along an axis of a mesh's box. Vertices are put in the order of their cells along a Morton curve.
+constexpr uint32_t s_cells = 8;
+// No box reaches this.
+constexpr btScalar s_unreached = std::numeric_limits<btScalar>::infinity();
+
+size_t PaddedCount(size_t count)
+{
+    return (count + qcProducts::s_block - 1) / qcProducts::s_block * qcProducts::s_block;
+}
+
+/// Calls function(lane) for the lanes that are at least `least`.
+template <typename Function> void ForEachAbove(const qcLanes& lanes, btScalar least, Function function)
+{
+    if (!qcIsAny(lanes >= least))
+        return;
+    for (size_t lane = 0; lane < qcLaneCount; lane++)
+        if (lanes[lane] >= least)
+            function(lane);
+}
+
+/// The number of a point's cell along the curve.
+uint32_t CellOf(const btVector3& point, const btVector3& lower, const btVector3& scale)
+{
+    const btVector3 at = (point - lower) * scale;
+    uint32_t cell = 0;
+    for (int axis = 0; axis < 3; axis++)
+    {
+        // False for what is not a number.
+        const uint32_t i = at[axis] > 0 ? std::min(uint32_t(std::min(at[axis], btScalar(s_cells))), s_cells - 1) : 0;
+        for (uint32_t bit = 0; s_cells >> bit > 1; bit++)
+            cell |= (i >> bit & 1) << (3 * bit + uint32_t(axis));
+    }
+    return cell;
+}
+
+/// The numbers of points, in the order of their cells.
+std::vector<uint32_t> SortByCell(const btVector3* points, size_t count)
+{
+    btVector3 lower = points[0], upper = lower, scale;
+    for (size_t i = 1; i < count; i++)
+    {
+        lower.setMin(points[i]);
+        upper.setMax(points[i]);
+    }
+    for (int axis = 0; axis < 3; axis++)
+        scale[axis] = btScalar(s_cells) / std::max(upper[axis] - lower[axis], SIMD_EPSILON);
+    uint32_t starts[s_cells * s_cells * s_cells + 1] = {};
+    std::vector<uint32_t> cells(count), ids(count);
+    for (size_t i = 0; i < count; i++)
+    {
+        cells[i] = CellOf(points[i], lower, scale);
+        starts[cells[i] + 1]++;
+    }
+    for (size_t cell = 1; cell < s_cells * s_cells * s_cells; cell++)
+        starts[cell] += starts[cell - 1];
+    for (size_t i = 0; i < count; i++)
+        ids[starts[cells[i]]++] = uint32_t(i);
+    return ids;
+}
+} // namespace
+
+void qcExtremeVertices::Points::Add(const btVector3& point)
+{
+    x.push_back(point.x());
+    y.push_back(point.y());
+    z.push_back(point.z());
+}
+
+qcProducts qcExtremeVertices::Points::Along(const btVector3& direction) const
+{
+    return {x.data(), y.data(), z.data(), direction.x(), direction.y(), direction.z()};
+}
+
+qcExtremeVertices::qcExtremeVertices(const btVector3* points, size_t count) : m_count(count)
+{
+    const size_t padded = PaddedCount(count);
+    for (std::vector<btScalar>* axis : {&m_vertices.x, &m_vertices.y, &m_vertices.z})
+        axis->reserve(padded);
+    for (size_t i = 0; i < padded; i++)
+        m_vertices.Add(points[std::min(i, count - 1)]);
+    if (count >= s_minVertices)
+        MakeRuns(points);
+}
+
+void qcExtremeVertices::MakeRuns(const btVector3* points)
+{
+    m_ids = SortByCell(points, m_count);
+    m_runs = (m_count + s_run - 1) / s_run;
+    for (size_t i = 0; i < PaddedCount(m_count); i++)
+        m_inRuns.Add(points[m_ids[std::min(i, m_count - 1)]]);
+    for (size_t i = 0; i < PaddedCount(m_runs); i++)
+    {
+        const size_t first = std::min(i, m_runs - 1) * s_run, end = std::min(first + s_run, m_count);
+        btVector3 lower = points[m_ids[first]], upper = lower;
+        for (size_t k = first + 1; k < end; k++)
+        {
+            lower.setMin(points[m_ids[k]]);
+            upper.setMax(points[m_ids[k]]);
+        }
+        m_lower.Add(lower);
+        m_upper.Add(upper);
+    }
+}
+
+/// The products of the boxes' furthest corners.
+qcProducts qcExtremeVertices::BoxesAlong(const btVector3& direction) const
+{
+    return {(direction.x() > 0 ? m_upper : m_lower).x.data(),
+            (direction.y() > 0 ? m_upper : m_lower).y.data(),
+            (direction.z() > 0 ? m_upper : m_lower).z.data(),
+            direction.x(),
+            direction.y(),
+            direction.z()};
+}
+
+/// Calls visit(first, end) for each run of vertices whose box reaches `least`. It returns what the following boxes have
+/// to reach.
+template <typename Visit>
+void qcExtremeVertices::VisitRunsAbove(const qcProducts& boxes, btScalar least, Visit visit) const
+{
+    for (size_t run = 0; run < m_runs; run += qcLaneCount)
+    {
+        const qcLanes reached = boxes.At(run);
+        if (!qcIsAny(reached >= least))
+            continue;
+        for (size_t lane = 0; lane < std::min(qcLaneCount, m_runs - run); lane++)
+        {
+            const size_t first = (run + lane) * s_run;
+            if (reached[lane] >= least)
+                least = visit(first, std::min(first + s_run, m_inRuns.x.size()));
+        }
+    }
+}
+
+btScalar qcExtremeVertices::Max(const btVector3& direction) const
+{
+    btScalar max = -BT_LARGE_FLOAT;
+    if (m_runs == 0)
+        return m_vertices.Along(direction).MaxOf(0, m_vertices.x.size(), max);
+    const qcProducts vertices = m_inRuns.Along(direction), boxes = BoxesAlong(direction);
+    auto visitOne = [&](size_t first, size_t end)
+    {
+        max = vertices.MaxOf(first, end, max);
+        return s_unreached;
+    };
+    auto visitAll = [&](size_t first, size_t end)
+    {
+        max = vertices.MaxOf(first, end, max);
+        return std::nextafter(max, s_unreached);
+    };
+    // The run that reaches furthest mostly leaves few others.
+    VisitRunsAbove(boxes, boxes.MaxOf(0, m_lower.x.size(), max), visitOne);
+    VisitRunsAbove(boxes, std::nextafter(max, s_unreached), visitAll);
+    return max;
+}
+
+uint32_t qcExtremeVertices::FindMax(const btVector3& direction) const
+{
+    const btScalar max = Max(direction);
+    uint32_t found = UINT32_MAX;
+    if (m_runs == 0)
+    {
+        const qcProducts vertices = m_vertices.Along(direction);
+        for (size_t i = 0; i < m_count && found == UINT32_MAX; i += qcLaneCount)
+            ForEachAbove(vertices.At(i), max, [&](size_t lane) { found = std::min(found, uint32_t(i + lane)); });
+        return found < m_count ? found : 0;
+    }
+    const qcProducts vertices = m_inRuns.Along(direction);
+    auto visit = [&](size_t first, size_t end)
+    {
+        for (size_t i = first; i < end; i += qcLaneCount)
+            ForEachAbove(vertices.At(i), max,
+                         [&](size_t lane) { found = std::min(found, m_ids[std::min(i + lane, m_count - 1)]); });
+        return max;
+    };
+    VisitRunsAbove(BoxesAlong(direction), max, visit);
+    return found < m_count ? found : 0;
+}
+
+void qcExtremeVertices::AppendAbove(const btVector3& direction, btScalar least, std::vector<uint32_t>* vertices) const
+{
+    const qcProducts products = m_vertices.Along(direction);
+    for (size_t i = 0; i < m_count; i += qcLaneCount)
+        ForEachAbove(products.At(i), least,
+                     [&](size_t lane)
+                     {
+                         if (i + lane < m_count)
+                             vertices->push_back(uint32_t(i + lane));
+                     });
+}
