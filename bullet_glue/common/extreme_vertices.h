@@ -50,7 +50,7 @@ class qcExtremeVertices
     /// O(vertices).
     qcExtremeVertices(const btVector3* points, size_t count);
 
-    /// The largest product of a vertex with the direction. Of large meshes it reads the boxes of all runs, and the
+    /// The largest product of a vertex with the direction. In large meshes it reads the boxes of all runs, and the
     /// vertices of those whose boxes reach further than what is found.
     btScalar Max(const btVector3& direction) const;
     /// The first vertex with that product; 0 if a coordinate is not finite.

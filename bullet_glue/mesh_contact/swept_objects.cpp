@@ -23,6 +23,9 @@ namespace
 constexpr btScalar s_slowPart = btScalar(0.5), s_slowMotion = btScalar(0.1);
 // One that is deeper in a mesh than this part may be pressed through it slowly.
 constexpr btScalar s_deepPart = btScalar(0.1);
+// A kinematic convex shape that jumps further than this, in halves of its size, and than this many times of its motion
+// in the step before, is put elsewhere.
+constexpr btScalar s_longJump = 16, s_suddenJump = 4;
 // Steps for which a convex shape counts as fast, so that its starts are exact and its core stays in the scene.
 constexpr int s_coreSteps = 30;
 
@@ -50,6 +53,15 @@ bool IsIntegrated(const btRigidBody& body)
 {
     return body.isActive() && qcAreSame(body.getInterpolationLinearVelocity(), body.getLinearVelocity()) &&
            qcAreSame(body.getInterpolationAngularVelocity(), body.getAngularVelocity());
+}
+
+/// True if the application has put an object of convex shapes elsewhere without notice, as platforms are that begin
+/// their way anew.
+bool HasJumped(const qcSweptObject& swept)
+{
+    const btScalar moved = swept.start.getOrigin().distance(swept.target.getOrigin());
+    return swept.cores != nullptr && moved > s_longJump * qcHalfSize(swept.object->getCollisionShape()) &&
+           moved > s_suddenJump * swept.motion.length();
 }
 
 bool IsBelow(const btVector3& a, const btVector3& b)
@@ -497,7 +509,7 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
     {
         btVector3 motion = swept->target.getOrigin() - swept->start.getOrigin();
         if (!swept->IsFree() && !qcAreSame(swept->start, swept->target) &&
-            (shift.IsOf(swept->start, swept->target) ||
+            (shift.IsOf(swept->start, swept->target) || HasJumped(*swept) ||
              !qcIsMotion(swept->object, swept->start, swept->target, swept->motion, timeStep)))
             swept->start = swept->target;
         swept->motion = motion;
