@@ -47,13 +47,13 @@ struct qcProducts
 class qcExtremeVertices
 {
   public:
-    /// O(vertices).
+    /// Coordinates are finite. O(vertices).
     qcExtremeVertices(const btVector3* points, size_t count);
 
     /// The largest product of a vertex with the direction. In large meshes it reads the boxes of all runs, and the
     /// vertices of those whose boxes reach further than what is found.
     btScalar Max(const btVector3& direction) const;
-    /// The first vertex with that product; 0 if a coordinate is not finite.
+    /// The first vertex with that product.
     uint32_t FindMax(const btVector3& direction) const;
     /// Appends the vertices whose product with the direction is at least `least`, in order. O(vertices).
     void AppendAbove(const btVector3& direction, btScalar least, std::vector<uint32_t>* vertices) const;

@@ -375,7 +375,7 @@ void qcMeshPlaneAlgorithm::FindPoints(const btCollisionObjectWrapper& body0, con
                                       btScalar farther, btScalar timeStep, std::vector<qcMeshPoint>* points)
 {
     if (!m_query)
-        m_batch->MarkStarts(&m_mark);
+        m_batch->MarkStarts(body0.getCollisionObject(), body1.getCollisionObject(), &m_mark);
     bool swapped = body0.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE;
     const btCollisionObjectWrapper &meshBody = swapped ? body1 : body0, &planeBody = swapped ? body0 : body1;
     const qcMeshShape* mesh = qcAsMeshShape(meshBody.getCollisionShape());

@@ -18,6 +18,12 @@ namespace
 // Pairs that a thread takes at a time, each of half a microsecond.
 constexpr size_t s_storeBlock = 128;
 
+/// Bullet's ghosts have pairs of their own, which character controllers process at other times.
+bool IsGhost(const btCollisionObject* object)
+{
+    return (object->getInternalType() & btCollisionObject::CO_GHOST_OBJECT) != 0;
+}
+
 /// The box of a mesh in the frame of another one, enlarged.
 void BoxIn(const qcPlacedMesh& mesh, const qcPlacedMesh& frame, btScalar distance, btVector3 box[2])
 {
@@ -388,7 +394,8 @@ void qcMeshBatch::FindPoints(const qcPlacedMesh& a, const qcPlacedMesh& b, btSca
             *check != m_validity.GetNumber() && m_validity.IsAsChecked(a.object) && m_validity.IsAsChecked(b.object);
         if (!checked)
         {
-            MarkStarts();
+            if (!IsGhost(a.object) && !IsGhost(b.object))
+                MarkStarts();
             bool holds = m_validity.Check();
             ClearStatistics();
             if (!holds)
@@ -411,11 +418,13 @@ void qcMeshBatch::MarkStarts()
     m_isMarked = true;
 }
 
-void qcMeshBatch::MarkStarts(uint64_t* mark)
+void qcMeshBatch::MarkStarts(const btCollisionObject* a, const btCollisionObject* b, uint64_t* mark)
 {
+    if (IsGhost(a) || IsGhost(b))
+        return;
     // The second call since a mark, or the first one since the end of a step, belongs to a new step.
     auto isNew = [this, mark] { return !m_isMarked || *mark == m_mark; };
-    if (isNew())
+    if (*mark != 0 && isNew())
     {
         std::lock_guard<std::mutex> lock(m_mutex);
         if (isNew())

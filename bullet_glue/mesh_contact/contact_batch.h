@@ -40,9 +40,10 @@ class qcMeshBatch : public qcRigidLimits, public qcKnownGaps
     /// holds. Pairs that are not in the batch are queried alone. `check`: state of the pair's algorithm, 0 at first.
     void FindPoints(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar timeStep, uint64_t* check,
                     std::vector<qcMeshPoint>* points);
-    /// Notes where bodies start the step, once a step. `mark`: state of the caller, which calls once a step; 0 at
-    /// first.
-    void MarkStarts(uint64_t* mark);
+    /// Notes where bodies start the step, once a step, when a pair of two objects is processed. `mark`: state of the
+    /// pair's algorithm, 0 at first. New algorithms and pairs of ghosts note nothing: Bullet also processes those
+    /// outside of steps.
+    void MarkStarts(const btCollisionObject* a, const btCollisionObject* b, uint64_t* mark);
     /// Appends the contact points of a pair whose triangles are at most `distance` apart, from a query for it alone.
     void QueryPair(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar distance, std::vector<qcMeshPoint>* points);
     /// Ends a step, after Bullet has integrated the transforms: see qcMotionLimiter. Soft bodies may have done it.
@@ -94,7 +95,7 @@ class qcMeshBatch : public qcRigidLimits, public qcKnownGaps
     qcAxisCache m_axes;
     qcMotionLimiter m_limiter;
     bool m_isLimited = false;                       ///< the present step, by LimitFirst
-    std::atomic<uint64_t> m_mark{0};                ///< number of the last mark of starts
+    std::atomic<uint64_t> m_mark{1};                ///< number of the last mark of starts
     std::atomic<bool> m_isMarked{false};            ///< starts of the present step
     qcPlanePairs m_planes;                          ///< of the last batch
     qcImpactSampler m_impacts;                      ///< of the last batch

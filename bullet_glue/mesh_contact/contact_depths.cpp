@@ -1,4 +1,4 @@
-// How deep Bullet's contact has let convex shapes sink into meshes.
+// How deep Bullet's contact has let objects sink into each other.
 #include "mesh_contact/contact_depths.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
@@ -27,7 +27,7 @@ void qcContactDepths::Add(const btCollisionObject* object, btScalar depth)
     deepest = std::max(deepest, depth);
 }
 
-void qcContactDepths::Read(btDispatcher* dispatcher, const std::function<bool(const btCollisionObject*)>& hasMeshes)
+void qcContactDepths::Read(btDispatcher* dispatcher)
 {
     m_depths.clear();
     for (int i = 0; i < dispatcher->getNumManifolds(); i++)
@@ -35,12 +35,10 @@ void qcContactDepths::Read(btDispatcher* dispatcher, const std::function<bool(co
         const btPersistentManifold& manifold = *dispatcher->getManifoldByIndexInternal(i);
         const btCollisionObject *a = manifold.getBody0(), *b = manifold.getBody1();
         const btScalar depth = a->isActive() || b->isActive() ? DeepestOf(manifold) : 0;
-        if (depth <= s_smallDepth * gContactBreakingThreshold)
+        if (depth <= s_smallDepth * gContactBreakingThreshold || !dispatcher->needsResponse(a, b))
             continue;
-        if (hasMeshes(b))
-            Add(a, depth);
-        if (hasMeshes(a))
-            Add(b, depth);
+        Add(a, depth);
+        Add(b, depth);
     }
 }
 

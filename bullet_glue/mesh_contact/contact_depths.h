@@ -1,23 +1,23 @@
-// How deep Bullet's contact has let convex shapes sink into meshes.
+// How deep Bullet's contact has let objects sink into each other.
 #ifndef QC_GLUE_MESH_CONTACT_CONTACT_DEPTHS_H
 #define QC_GLUE_MESH_CONTACT_CONTACT_DEPTHS_H
 
 #include <LinearMath/btScalar.h>
 
-#include <functional>
 #include <unordered_map>
 
 class btCollisionObject;
 class btDispatcher;
 class btPersistentManifold;
 
-/// Depths are those of Bullet's points: margins included, where contact of the step was found. They are about right.
+/// Depths of Bullet's points, margins included, where contact of the step was found. Its penetration algorithms are not
+/// exact.
 class qcContactDepths
 {
   public:
-    /// Reads all manifolds of awake objects with one that has meshes.
-    void Read(btDispatcher* dispatcher, const std::function<bool(const btCollisionObject*)>& hasMeshes);
-    /// The largest depth of an object in another one that has meshes; 0 if it is small.
+    /// Reads all manifolds of awake objects that respond to each other. O(manifolds).
+    void Read(btDispatcher* dispatcher);
+    /// The largest depth of an object in another one; 0 if it is small.
     btScalar DepthOf(const btCollisionObject* object) const;
 
   private:

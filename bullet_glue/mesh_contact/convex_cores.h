@@ -14,7 +14,7 @@
 // The size of cores, as a part of their shapes' size. Contact lets bodies penetrate a little: a core has to be further
 // inside.
 constexpr btScalar qcCoreSize = btScalar(0.9);
-// For shapes that are in a mesh already, deeper than their core.
+// For pairs whose mesh and core are in each other already.
 constexpr btScalar qcInnerCoreSize = btScalar(0.4);
 
 /// The core of a convex shape, in the shape's frame: a part of the hull of its outermost points along some directions.

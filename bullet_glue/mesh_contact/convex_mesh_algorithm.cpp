@@ -19,7 +19,7 @@ void qcConvexMeshAlgorithm::processCollision(const btCollisionObjectWrapper* bod
                                              const btCollisionObjectWrapper* body1,
                                              const btDispatcherInfo& dispatchInfo, btManifoldResult* result)
 {
-    m_batch->MarkStarts(&m_mark);
+    m_batch->MarkStarts(body0->getCollisionObject(), body1->getCollisionObject(), &m_mark);
     m_contact->processCollision(body0, body1, dispatchInfo, result);
 }
 

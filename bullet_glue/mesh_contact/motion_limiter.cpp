@@ -49,6 +49,12 @@ void TurnSpin(const qcSweptObject& swept)
                                        swept.body->getAngularFactor());
 }
 
+/// True if convex shapes of one of the two are swept.
+bool HasCores(const qcSweptPair& pair)
+{
+    return pair.first->cores != nullptr || pair.second->cores != nullptr;
+}
+
 /// True if the application moves the object.
 bool IsSwept(const qcSweptObject& swept)
 {
@@ -70,47 +76,91 @@ bool qcMotionLimiter::IsExempt(const qcSweptObject& a, const qcSweptObject& b) c
     return m_islands.MoveAsOne(a, b) || m_exempt.count(std::minmax(a.number, b.number)) > 0;
 }
 
+/// True if the hulls of two objects stand for what of them is tested.
+bool qcMotionLimiter::HaveHulls(const qcSweptObject& a, const qcSweptObject& b) const
+{
+    return a.hull != nullptr && b.hull != nullptr && m_inner.count(std::minmax(a.number, b.number)) == 0;
+}
+
 /// True if two convex meshes that have not met in this step are in each other at its start by more than rounding. Where
 /// their sides are flush, their triangles don't show it.
 bool qcMotionLimiter::AreInEachOther(const qcSweptObject& a, const qcSweptObject& b, const qcProximity& atStart) const
 {
-    if (a.hull == nullptr || b.hull == nullptr || m_meeting.count(std::minmax(a.number, b.number)) > 0 ||
-        !a.hull->IsConvex() || !b.hull->IsConvex())
+    if (!HaveHulls(a, b) || m_meeting.count(std::minmax(a.number, b.number)) > 0 || !a.hull->IsConvex() ||
+        !b.hull->IsConvex())
         return false;
     qcPlacedSupport startA{a.hull, a.start}, startB{b.hull, b.start};
     btScalar gap = qcFindSeparation(startA, startB, qcVectorOf(atStart.normal), BT_LARGE_FLOAT, 0).gap;
     return gap < -4 * qcTouchingDepth(a, b) - qcGapError(startA, startB);
 }
 
-/// Objects that meet at the start only touch, up to rounding, or are exempt as a whole: a triangle inside another
-/// object has to leave it. `anyNew`: pairs of small meshes touch that did not count as such. True: cores that are in a
-/// mesh have been exchanged for smaller ones, so that the result is void.
-bool qcMotionLimiter::CollectMeetings(const qcResult& result, bool* anyNew)
+/// Whether triangles meet at the start.
+qcMotionLimiter::Meeting qcMotionLimiter::FindMeeting(const qcPair& pair, const qcSweptTriangles& triangles) const
 {
-    std::set<uint32_t> exchanged;
-    *anyNew = false;
+    const qcSweptObject &a = *triangles.a.swept, &b = *triangles.b.swept;
+    if (pair.relation == qc_relationDisjoint && triangles.atStart->distance > double(qcCertifiableGap(a, b)))
+        return Meeting::none;
+    return triangles.ArePenetrating(2 * qcTouchingDepth(a, b)) || AreInEachOther(a, b, *triangles.atStart)
+               ? Meeting::penetrates
+               : Meeting::touches;
+}
+
+/// Has a pair tested by inner cores. False: it is already, or has no cores.
+bool qcMotionLimiter::UseInnerCores(const qcSweptPair& pair)
+{
+    if (!HasCores(pair) || !m_inner.insert(qcNumbersOf(pair)).second)
+        return false;
+    m_objects.AddInnerCores(pair.first);
+    m_objects.AddInnerCores(pair.second);
+    return true;
+}
+
+/// Pairs whose cores are in the other object at the start are tested by inner cores. True: there are new ones, so that
+/// the result is void. Those whose mesh is inside of the inner core are exempt: Bullet's contact pushes it out.
+bool qcMotionLimiter::ExchangeCores(const qcResult& result)
+{
+    bool any = false;
     for (size_t i = 0; i < result.pairCount; i++)
     {
-        const qcPair& pair = result.pairs[i];
-        const qcProximity& atStart = result.proximities[i];
-        const qcSweptTriangles triangles = m_scene.TrianglesOf(pair, atStart);
-        const qcSweptObject &a = *triangles.a.swept, &b = *triangles.b.swept;
-        if (pair.relation == qc_relationDisjoint && atStart.distance > double(qcCertifiableGap(a, b)))
-            continue;
-        const Numbers numbers = qcNumbersOf(triangles.Objects());
-        if (exchanged.count(numbers.first) > 0 || exchanged.count(numbers.second) > 0)
-            continue;
-        bool touches = !triangles.ArePenetrating(2 * qcTouchingDepth(a, b)) && !AreInEachOther(a, b, atStart);
-        for (qcSweptObject* swept : {triangles.a.swept, triangles.b.swept})
-            if (!touches && m_objects.SweepInnerCores(swept))
-                exchanged.insert(swept->number);
-        if (exchanged.count(numbers.first) > 0 || exchanged.count(numbers.second) > 0)
-            continue;
-        (touches ? m_meeting : m_exempt).insert(numbers);
-        if (touches && a.hull != nullptr && b.hull != nullptr)
-            *anyNew = m_touching.Add(numbers) || *anyNew;
+        const qcSweptTriangles triangles = m_scene.TrianglesOf(result.pairs[i], result.proximities[i]);
+        const qcSweptPair objects = triangles.Objects();
+        if (HasCores(objects) && m_exempt.count(qcNumbersOf(objects)) == 0 &&
+            FindMeeting(result.pairs[i], triangles) == Meeting::penetrates)
+            any = UseInnerCores(objects) || any;
     }
-    return !exchanged.empty();
+    for (const qcSweptPair& pair : m_pairs)
+    {
+        if (!HasCores(pair))
+            continue;
+        const qcSweptPart core = m_inner.count(qcNumbersOf(pair)) > 0 ? qcSweptPart::innerCore : qcSweptPart::core;
+        if (!pair.first->EnclosesAtStart(core, *pair.second) && !pair.second->EnclosesAtStart(core, *pair.first))
+            continue;
+        if (UseInnerCores(pair))
+            any = true;
+        else
+            m_exempt.insert(qcNumbersOf(pair));
+    }
+    return any;
+}
+
+/// Objects that meet at the start only touch, up to rounding, or are exempt as a whole: a triangle inside another
+/// object has to leave it. True: pairs of small meshes touch that did not count as such.
+bool qcMotionLimiter::CollectMeetings(const qcResult& result)
+{
+    bool anyNew = false;
+    for (size_t i = 0; i < result.pairCount; i++)
+    {
+        const qcSweptTriangles triangles = m_scene.TrianglesOf(result.pairs[i], result.proximities[i]);
+        const Meeting meeting = FindMeeting(result.pairs[i], triangles);
+        if (meeting == Meeting::none)
+            continue;
+        const bool touches = meeting == Meeting::touches;
+        const Numbers numbers = qcNumbersOf(triangles.Objects());
+        (touches ? m_meeting : m_exempt).insert(numbers);
+        if (touches && HaveHulls(*triangles.a.swept, *triangles.b.swept))
+            anyNew = m_touching.Add(numbers) || anyNew;
+    }
+    return anyNew;
 }
 
 /// Finds the pairs of triangles that are not exempt and end neither proven apart nor as they have met at the start.
@@ -428,7 +478,7 @@ bool qcMotionLimiter::IsSeparated(const qcSweptPair& pair, Touch* touch) const
 {
     const qcSweptObject &a = *pair.first, &b = *pair.second;
     touch->touches = false;
-    if (a.hull == nullptr || b.hull == nullptr)
+    if (!HaveHulls(a, b))
         return false;
     qcPlacedSupport startA{a.hull, a.start}, startB{b.hull, b.start}, endA{a.hull, a.end}, endB{b.hull, b.end};
     btScalar error = qcGapError(startA, startB) + qcGapError(endA, endB);
@@ -507,7 +557,7 @@ qcMotionLimiter::Round qcMotionLimiter::StopPairs(bool pushes, int cuts, std::se
     const qcResult none{};
     const qcResult* result = &none;
     if (!m_pairs.empty())
-        m_status = m_scene.Detect(m_pairs, &result);
+        m_status = m_scene.Detect(m_pairs, m_inner, &result);
     if (m_status != qc_statusOk)
         return Round::ended;
     for (qcSweptObject* swept : m_objects.Get())
@@ -517,9 +567,9 @@ qcMotionLimiter::Round qcMotionLimiter::StopPairs(bool pushes, int cuts, std::se
         reported->insert(m_scene.NumbersOf(result->pairs[i]));
     for (const qcClosingPair& closing : m_touching.Closing())
         reported->insert(qcNumbersOf(closing.pair));
-    bool anyNew = false;
-    if (CollectMeetings(*result, &anyNew))
+    if (ExchangeCores(*result))
         return Round::exchanged;
+    const bool anyNew = CollectMeetings(*result);
     if (pushes && anyNew)
         return Round::pushed;
     FindUnproven(*result, pushes);
@@ -597,6 +647,7 @@ void qcMotionLimiter::Limit(btScalar timeStep, qcMeshContactStatistics* statisti
     m_cut.clear();
     m_exempt.clear();
     m_meeting.clear();
+    m_inner.clear();
     m_unproven = 0;
     m_touching.BeginStep();
     statistics->limitMs = 0;

@@ -77,9 +77,17 @@ class qcMotionLimiter
     enum class Round
     {
         ended,     ///< nothing is left to do, or the detection failed
-        exchanged, ///< cores that are in a mesh for smaller ones
+        exchanged, ///< cores of pairs for inner ones
         pushed,
         cut
+    };
+
+    /// How triangles meet at the start of the step.
+    enum class Meeting
+    {
+        none,
+        touches, ///< up to rounding
+        penetrates
     };
 
     /// Two objects whose motions are cut back.
@@ -116,7 +124,11 @@ class qcMotionLimiter
 
     bool IsExempt(const qcSweptObject& a, const qcSweptObject& b) const;
     bool AreInEachOther(const qcSweptObject& a, const qcSweptObject& b, const qcProximity& atStart) const;
-    bool CollectMeetings(const qcResult& result, bool* anyNew);
+    bool HaveHulls(const qcSweptObject& a, const qcSweptObject& b) const;
+    Meeting FindMeeting(const qcPair& pair, const qcSweptTriangles& triangles) const;
+    bool UseInnerCores(const qcSweptPair& pair);
+    bool ExchangeCores(const qcResult& result);
+    bool CollectMeetings(const qcResult& result);
     void FindUnproven(const qcResult& result, bool pushes);
     static MadeParts FindMadeParts(const qcSweptPair& pair);
     static void Stop(const qcSweptPair& pair, btScalar part, btScalar distance);
@@ -157,7 +169,9 @@ class qcMotionLimiter
     std::vector<Touch> m_touches;                      ///< likewise
     std::vector<qcSweptPair> m_unprovenPairs;          ///< of the present round, by their objects' numbers
     std::vector<qcSweptTriangles> m_unprovenTriangles; ///< of the last detection
-    std::set<Numbers> m_exempt;  ///< objects that penetrate at the start of the step, or can't be kept apart in it
+    std::set<Numbers> m_exempt; ///< objects that penetrate at the start of the step, or can't be kept apart in it
+    std::set<Numbers>
+        m_inner; ///< objects that inner cores are tested for, since cores are in the other's mesh at the start
     std::set<Numbers> m_meeting; ///< objects that touch at the start of the step, up to rounding
     qcMotionPlanes m_planes;
     std::set<Numbers> m_stopped, m_previouslyStopped; ///< objects with planes, in this step and in the previous one

@@ -4,12 +4,13 @@
 #include "common/moved_vertices.h"
 #include "quickcullide/hash.h"
 
-qcSweptMesh::qcSweptMesh(const btCollisionShape* read, const btTransform& place, bool keeps)
-    : shape(read), local(place), revision(qcMeshRevision(read)), triangles(new qcMeshTriangles(read, nullptr))
+qcSweptMesh::qcSweptMesh(const qcSweptSource& source, bool keeps)
+    : part(source.part), shape(source.mesh.shape), local(source.mesh.transform), revision(qcMeshRevision(shape)),
+      triangles(new qcMeshTriangles(shape, nullptr))
 {
     if (!keeps || triangles->pointCount == 0)
         return;
-    if (qcAsMeshShape(read) == nullptr)
+    if (qcAsMeshShape(shape) == nullptr)
     {
         const std::vector<qcTriangleSource>& sources = triangles->sources;
         trianglesHash = qcXxh64(sources.data(), sources.size() * sizeof(qcTriangleSource), 0);
@@ -17,6 +18,23 @@ qcSweptMesh::qcSweptMesh(const btCollisionShape* read, const btTransform& place,
     }
     kept.assign(triangles->points, triangles->points + triangles->pointCount);
     trianglesHash = qcXxh64(triangles->indices, 3 * size_t(triangles->count) * sizeof(uint32_t), 0);
+}
+
+bool qcSweptMesh::Encloses(const btVector3& point) const
+{
+    const btVector3* points = triangles->points;
+    btVector3 centre(0, 0, 0);
+    for (uint32_t i = 0; i < triangles->pointCount; i++)
+        centre += points[i] / btScalar(triangles->pointCount);
+    for (uint32_t t = 0; t < triangles->count; t++)
+    {
+        const uint32_t* index = triangles->indices + 3 * size_t(t);
+        const btVector3& corner = points[index[0]];
+        const btVector3 normal = (points[index[1]] - corner).cross(points[index[2]] - corner);
+        if (!(normal.dot(point - corner) * normal.dot(centre - corner) > 0) && !normal.fuzzyZero())
+            return false;
+    }
+    return true;
 }
 
 void qcSweptMesh::DeformFrom(qcSweptMesh* last)
@@ -68,21 +86,30 @@ qcStatus qcSweptMesh::Place(qcScene* scene, const btTransform& object, bool atSt
     return qcScene_SetTransform(scene, id, &transform);
 }
 
-std::vector<qcBatchMesh> qcCollectSwept(const btCollisionShape* shape, qcConvexCores* cores)
+std::vector<qcSweptSource> qcCollectSwept(const btCollisionShape* shape, qcConvexCores* cores,
+                                          qcConvexCores* innerCores)
 {
-    std::vector<qcBatchMesh> swept;
-    qcCollectMeshes(shape, btTransform::getIdentity(), &swept);
-    auto addCore = [&swept](const qcConvexCore& core, const btTransform& place)
-    { qcCollectMeshes(core.mesh.get(), place, &swept); };
-    if (cores != nullptr)
-        cores->ForEachCore(shape, addCore);
+    std::vector<qcSweptSource> swept;
+    auto add = [&swept](const btCollisionShape* meshes, const btTransform& place, qcSweptPart part)
+    {
+        std::vector<qcBatchMesh> collected;
+        qcCollectMeshes(meshes, place, &collected);
+        for (const qcBatchMesh& mesh : collected)
+            swept.push_back({mesh, part});
+    };
+    add(shape, btTransform::getIdentity(), qcSweptPart::mesh);
+    for (auto [from, part] :
+         {std::make_pair(cores, qcSweptPart::core), std::make_pair(innerCores, qcSweptPart::innerCore)})
+        if (from != nullptr)
+            from->ForEachCore(shape, [&add, part = part](const qcConvexCore& core, const btTransform& place)
+                              { add(core.mesh.get(), place, part); });
     return swept;
 }
 
-std::vector<qcSweptMesh> qcReadSweptMeshes(const std::vector<qcBatchMesh>& present, bool keeps)
+std::vector<qcSweptMesh> qcReadSweptMeshes(const std::vector<qcSweptSource>& present, bool keeps)
 {
     std::vector<qcSweptMesh> meshes;
-    for (const qcBatchMesh& mesh : present)
-        meshes.emplace_back(mesh.shape, mesh.transform, keeps);
+    for (const qcSweptSource& source : present)
+        meshes.emplace_back(source, keeps);
     return meshes;
 }

@@ -8,8 +8,24 @@
 
 #include <memory>
 
+/// What of an object a mesh is.
+enum class qcSweptPart : uint8_t
+{
+    mesh,
+    core,
+    innerCore ///< takes the core's place in pairs whose other object the core is in
+};
+
+/// A mesh that is to be read.
+struct qcSweptSource
+{
+    qcBatchMesh mesh;
+    qcSweptPart part;
+};
+
 struct qcSweptMesh
 {
+    qcSweptPart part;
     const btCollisionShape* shape;
     btTransform local; ///< from the mesh's frame to the object's
     uint64_t revision; ///< of the shape when the mesh was read; see qcMeshRevision
@@ -23,7 +39,7 @@ struct qcSweptMesh
     btVector3 startBox[2];              ///< around these: lower and upper corner
 
     /// `keeps`: it may deform in a later step.
-    qcSweptMesh(const btCollisionShape* read, const btTransform& place, bool keeps);
+    qcSweptMesh(const qcSweptSource& source, bool keeps);
 
     bool Deforms() const
     {
@@ -35,6 +51,8 @@ struct qcSweptMesh
         const uint32_t index = triangles->indices[3 * size_t(triangle) + corner];
         return atStart && Deforms() ? startPoints[index] : triangles->points[index];
     }
+    /// True if a point in its frame is inside of a core.
+    bool Encloses(const btVector3& point) const;
     /// Deforms in the step from what another mesh was, if that had the same triangles and they have moved from there;
     /// see qcHaveMoved. It takes over the other's body if that is a deforming one.
     void DeformFrom(qcSweptMesh* last);
@@ -45,9 +63,10 @@ struct qcSweptMesh
     qcStatus Place(qcScene* scene, const btTransform& object, bool atStart) const;
 };
 
-/// What of a shape is swept: its meshes and, unless `cores` is null, the cores of its convex shapes.
-std::vector<qcBatchMesh> qcCollectSwept(const btCollisionShape* shape, qcConvexCores* cores);
+/// What of a shape is swept: its meshes and, unless these are null, the cores and inner cores of its convex shapes.
+std::vector<qcSweptSource> qcCollectSwept(const btCollisionShape* shape, qcConvexCores* cores,
+                                          qcConvexCores* innerCores);
 /// Reads these meshes.
-std::vector<qcSweptMesh> qcReadSweptMeshes(const std::vector<qcBatchMesh>& present, bool keeps);
+std::vector<qcSweptMesh> qcReadSweptMeshes(const std::vector<qcSweptSource>& present, bool keeps);
 
 #endif

@@ -38,6 +38,16 @@ void qcSweptObject::ReadCores()
         cores->ForEachCore(object->getCollisionShape(), add);
 }
 
+bool qcSweptObject::EnclosesAtStart(qcSweptPart core, const qcSweptObject& other) const
+{
+    for (const qcSweptMesh& own : meshes)
+        for (const qcSweptMesh& mesh : other.meshes)
+            if (own.part == core && mesh.part == qcSweptPart::mesh && mesh.triangles->count > 0 &&
+                own.Encloses((start * own.local).invXform(other.start * (mesh.local * mesh.PointOf(0, 0, true)))))
+                return true;
+    return false;
+}
+
 void qcSweptObject::FindTravel()
 {
     travel = qcDisplacementBound(start, target, object->getCollisionShape()->getAngularMotionDisc());

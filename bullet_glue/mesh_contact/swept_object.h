@@ -33,6 +33,7 @@ struct qcSweptObject
     bool hasMesh = false;                  ///< one of its shapes consists of triangles; planes do not
     bool isOurs = false;                   ///< contact of one of its meshes with any other mesh is computed here
     qcConvexCores* cores = nullptr;        ///< its convex shapes are swept as these; null: they are not
+    qcConvexCores* innerCores = nullptr;   ///< likewise, for pairs that need them; null: none does
     int coreSteps = 0;                     ///< for how long they are swept yet
     btScalar halfWidth = BT_LARGE_FLOAT;   ///< the least of its cores
     btScalar travel = 0;                   ///< upper bound of its points' motion from start to target
@@ -86,6 +87,8 @@ struct qcSweptObject
     }
     /// Adds what `cores` has: sets `hasMesh`, `halfWidth` and, for a convex shape, `hull`.
     void ReadCores();
+    /// True if a mesh of another object is inside of one of its cores of this kind at the start of the step.
+    bool EnclosesAtStart(qcSweptPart core, const qcSweptObject& other) const;
     /// Sets `travel`.
     void FindTravel();
     /// Sets `moves` and the box, from start and end.

@@ -1,5 +1,5 @@
-// The objects of a world that hold meshes, and its fast convex shapes, with their motion in a step, and the pairs whose
-// motions overlap.
+// The objects of a world that hold meshes, and its convex shapes that may pass one, with their motion in a step, and
+// the pairs whose motions overlap.
 #include "mesh_contact/swept_objects.h"
 
 #include "common/compound_children.h"
@@ -21,12 +21,14 @@ namespace
 // Bullet's contact pushes a convex shape back to the side of a mesh from which it comes, unless it moves by more than
 // this part of its core's half width in a step; below this part of the contact breaking threshold none does.
 constexpr btScalar s_slowPart = btScalar(0.5), s_slowMotion = btScalar(0.1);
-// One that is deeper in a mesh than this part may be pressed through it slowly.
+// One that is deeper in another object than this part may be pressed through a mesh slowly, or pushed by split
+// impulses, which move bodies without a velocity.
 constexpr btScalar s_deepPart = btScalar(0.1);
 // A kinematic convex shape that jumps further than this, in halves of its size, and than this many times of its motion
 // in the step before, is put elsewhere.
 constexpr btScalar s_longJump = 16, s_suddenJump = 4;
-// Steps for which a convex shape counts as fast, so that its starts are exact and its core stays in the scene.
+// Steps for which a convex shape that was fast or deep takes part: its starts are exact, and its core stays in the
+// scene.
 constexpr int s_coreSteps = 30;
 
 /// Finds what of an object's shape consists of triangles.
@@ -133,7 +135,7 @@ void qcSweptObjects::KeepTriangles(const btCollisionObject* object)
 {
     qcSweptObject* swept = Add(object);
     if (swept->meshes.empty())
-        swept->meshes = qcReadSweptMeshes(qcCollectSwept(object->getCollisionShape(), nullptr), true);
+        swept->meshes = qcReadSweptMeshes(qcCollectSwept(object->getCollisionShape(), nullptr, nullptr), true);
 }
 
 /// Notices that the application has moved the triangles of an object that Bullet does not move: its meshes then deform
@@ -155,7 +157,7 @@ void qcSweptObjects::ReadTriangles(qcSweptObject* swept, qcScene* scene) const
     if (revision == 0 || revision == swept->revision)
         return;
     std::vector<qcSweptMesh> last =
-        qcReadSweptMeshes(qcCollectSwept(swept->object->getCollisionShape(), nullptr), true);
+        qcReadSweptMeshes(qcCollectSwept(swept->object->getCollisionShape(), nullptr, nullptr), true);
     last.swap(swept->meshes);
     for (size_t i = 0; i < std::min(last.size(), swept->meshes.size()); i++)
         swept->meshes[i].DeformFrom(&last[i]);
@@ -298,8 +300,8 @@ bool qcSweptObjects::MayPass(const btCollisionObject* object, btScalar halfWidth
 }
 
 /// True if the convex shapes of a dynamic body, a link or a static object may pass a mesh in the step, or might have
-/// lately: they are fast, or deep in one. Those of kinematic bodies always may where a mesh is free, so that it is
-/// known where each step starts.
+/// lately: they are fast, or deep in another object. Those of kinematic bodies take part in every step while a mesh is
+/// free: their starts must be known.
 bool qcSweptObjects::TakesCores(const btCollisionObject* object)
 {
     const btCollisionShape* shape = object->getCollisionShape();
@@ -341,9 +343,7 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
     ReadShape(&swept, m_settings.gimpact);
     ReadTriangles(&swept, scene);
     swept.hull = swept.Deforms() ? nullptr : m_axes.FindMesh(object);
-    // What was deep in a mesh and still is keeps its inner cores: Bullet's depths are not exact.
-    const bool isInside = swept.cores == &m_innerCores && m_depths.DepthOf(object) > 0;
-    swept.cores = !takesCores ? nullptr : isInside ? &m_innerCores : &m_cores;
+    swept.cores = takesCores ? &m_cores : nullptr;
     if (takesCores && swept.isNew)
         swept.wasActive = object->isActive();
     swept.ReadCores();
@@ -383,7 +383,7 @@ bool qcSweptObjects::ReadObjects(qcScene* scene)
     bool anyMoved = false;
     size_t present = 0;
     btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
-    // Meshes first: how far they move, and what is deep in them, decides which convex shapes may pass one.
+    // Meshes first: how far they move decides which convex shapes may pass one.
     m_anyOurs = m_anyFreeMesh = false;
     m_movingMeshes.clear();
     m_notFinite = nullptr;
@@ -406,12 +406,7 @@ bool qcSweptObjects::ReadObjects(qcScene* scene)
             m_movingMeshes.push_back(&swept);
         }
     if (m_anyOurs)
-        m_depths.Read(m_settings.world->getDispatcher(),
-                      [this](const btCollisionObject* object)
-                      {
-                          const qcSweptObject* swept = Find(object);
-                          return swept != nullptr && swept->isOurs;
-                      });
+        m_depths.Read(m_settings.world->getDispatcher());
     for (int i = 0; m_anyOurs && i < objects.size(); i++)
         if (qcIsFinite(*objects[i]) && TakesCores(objects[i]))
         {
@@ -588,13 +583,9 @@ void qcSweptObjects::RecordEnds()
     }
 }
 
-bool qcSweptObjects::SweepInnerCores(qcSweptObject* swept)
+void qcSweptObjects::AddInnerCores(qcSweptObject* swept)
 {
-    if (swept->cores != &m_cores)
-        return false;
-    swept->cores = &m_innerCores;
-    swept->ReadCores();
-    return true;
+    swept->innerCores = swept->cores != nullptr ? &m_innerCores : nullptr;
 }
 
 qcSweptObject* qcSweptObjects::Find(const btCollisionObject* object) const

@@ -1,5 +1,5 @@
-// The objects of a world that hold meshes, and its fast convex shapes, with their motion in a step, and the pairs whose
-// motions overlap.
+// The objects of a world that hold meshes, and its convex shapes that may pass one, with their motion in a step, and
+// the pairs whose motions overlap.
 #ifndef QC_GLUE_MESH_CONTACT_SWEPT_OBJECTS_H
 #define QC_GLUE_MESH_CONTACT_SWEPT_OBJECTS_H
 
@@ -62,9 +62,8 @@ class qcSweptObjects
     }
     /// The entry of an object in the world, or null.
     qcSweptObject* Find(const btCollisionObject* object) const;
-    /// Has the convex shapes of an object that are in a mesh at the start of the step swept as inner cores. False: they
-    /// are already, or there are none.
-    bool SweepInnerCores(qcSweptObject* swept);
+    /// Inner cores of an object take part, too, if it has cores.
+    void AddInnerCores(qcSweptObject* swept);
 
     /// An object that may hold meshes and is not finite, which the last ReadTargets has left out, or null.
     const btCollisionObject* NotFinite() const
@@ -109,7 +108,7 @@ class qcSweptObjects
     const qcBatchSettings& m_settings;
     qcAxisCache& m_axes;
     qcConvexCores m_cores{qcCoreSize}, m_innerCores{qcInnerCoreSize};
-    qcContactDepths m_depths; ///< of convex shapes in meshes whose contact is computed here
+    qcContactDepths m_depths;
     btScalar m_timeStep = 0;
     std::vector<const qcSweptObject*> m_movingMeshes; ///< of those whose contact is computed here
     const btCollisionObject* m_notFinite = nullptr;

@@ -13,11 +13,12 @@ qcSweptScene::~qcSweptScene()
 /// Brings the scene's meshes of an object up to date.
 qcStatus qcSweptScene::AddMeshes(qcSweptObject* swept)
 {
-    const std::vector<qcBatchMesh> present = qcCollectSwept(swept->object->getCollisionShape(), swept->cores);
-    auto isSame = [](const qcSweptMesh& mesh, const qcBatchMesh& now)
+    const std::vector<qcSweptSource> present = qcCollectSwept(swept->object->getCollisionShape(), swept->cores,
+                                                              swept->cores != nullptr ? swept->innerCores : nullptr);
+    auto isSame = [](const qcSweptMesh& mesh, const qcSweptSource& now)
     {
-        return mesh.shape == now.shape && qcAreSame(mesh.local, now.transform) &&
-               mesh.revision == qcMeshRevision(now.shape);
+        return mesh.part == now.part && mesh.shape == now.mesh.shape && qcAreSame(mesh.local, now.mesh.transform) &&
+               mesh.revision == qcMeshRevision(now.mesh.shape);
     };
     if (!std::equal(swept->meshes.begin(), swept->meshes.end(), present.begin(), present.end(), isSame))
     {
@@ -56,15 +57,21 @@ qcStatus qcSweptScene::PlaceMeshes(bool atStart)
 bool qcSweptScene::TestPair(void* context, uint32_t slotA, uint32_t slotB)
 {
     const auto* scene = static_cast<const qcSweptScene*>(context);
-    qcSweptPair pair(scene->m_meshOfSlot[slotA].first, scene->m_meshOfSlot[slotB].first);
+    const Side a = scene->SideOf(slotA), b = scene->SideOf(slotB);
+    qcSweptPair pair(a.swept, b.swept);
     if (pair.first->number > pair.second->number)
         std::swap(pair.first, pair.second);
-    return std::binary_search(scene->m_pairs->begin(), scene->m_pairs->end(), pair, qcIsBefore);
+    if (!std::binary_search(scene->m_pairs->begin(), scene->m_pairs->end(), pair, qcIsBefore))
+        return false;
+    const qcSweptPart left = scene->m_inner->count(qcNumbersOf(pair)) > 0 ? qcSweptPart::core : qcSweptPart::innerCore;
+    return a.mesh->part != left && b.mesh->part != left;
 }
 
-qcStatus qcSweptScene::Detect(const std::vector<qcSweptPair>& pairs, const qcResult** result)
+qcStatus qcSweptScene::Detect(const std::vector<qcSweptPair>& pairs,
+                              const std::set<std::pair<uint32_t, uint32_t>>& inner, const qcResult** result)
 {
     m_pairs = &pairs;
+    m_inner = &inner;
     qcStatus status = qc_statusOk;
     if (m_scene == nullptr)
     {

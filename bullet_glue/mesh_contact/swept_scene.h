@@ -4,6 +4,8 @@
 
 #include "mesh_contact/swept_triangles.h"
 
+#include <set>
+
 /// Holds the meshes of the objects that have been near others. Not for several threads.
 class qcSweptScene
 {
@@ -15,9 +17,10 @@ class qcSweptScene
     qcSweptScene(const qcSweptScene&) = delete;
     qcSweptScene& operator=(const qcSweptScene&) = delete;
 
-    /// Finds the pairs of triangles that are not proven apart, of these pairs of objects, by number (qcIsBefore). The
-    /// result is valid until the next call.
-    qcStatus Detect(const std::vector<qcSweptPair>& pairs, const qcResult** result);
+    /// Finds the pairs of triangles that are not proven apart, of these pairs of objects, by number (qcIsBefore). Those
+    /// in `inner` are tested by inner cores in place of cores. The result is valid until the next call.
+    qcStatus Detect(const std::vector<qcSweptPair>& pairs, const std::set<std::pair<uint32_t, uint32_t>>& inner,
+                    const qcResult** result);
     /// The objects of a pair of triangles, the lower one first.
     std::pair<uint32_t, uint32_t> NumbersOf(const qcPair& pair) const;
     qcSweptTriangles TrianglesOf(const qcPair& pair, const qcProximity& atStart) const;
@@ -42,8 +45,9 @@ class qcSweptScene
 
     const qcBatchSettings& m_settings;
     qcScene* m_scene = nullptr;
-    const std::vector<qcSweptPair>* m_pairs = nullptr;           ///< of the present detection
-    std::vector<std::pair<qcSweptObject*, size_t>> m_meshOfSlot; ///< object and index of its mesh
+    const std::vector<qcSweptPair>* m_pairs = nullptr;                ///< of the present detection
+    const std::set<std::pair<uint32_t, uint32_t>>* m_inner = nullptr; ///< likewise
+    std::vector<std::pair<qcSweptObject*, size_t>> m_meshOfSlot;      ///< object and index of its mesh
 };
 
 #endif

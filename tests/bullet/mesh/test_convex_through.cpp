@@ -326,6 +326,33 @@ START_TEST(a_kinematic_convex_shape_that_is_put_elsewhere_takes_nothing_along)
 }
 END_TEST
 
+START_TEST(debris_that_sinks_into_a_box_comes_out_again)
+{
+    // In one step it gets wholly inside of the core, whose surface it then doesn't meet.
+    for (unsigned start = 1; start <= s_starts; start++)
+        for (btScalar half : {btScalar(0.03), btScalar(0.05)})
+            for (btScalar speed : {btScalar(6), btScalar(9), btScalar(12)})
+            {
+                qcRandomNumbers random(start);
+                qcMeshWorld world;
+                auto box = std::make_unique<btBoxShape>(btVector3(10, btScalar(0.5), 10));
+                btCollisionShape* ground = world.Keep(std::move(box));
+                if (_i == 1)
+                {
+                    auto compound = std::make_unique<btCompoundShape>();
+                    compound->addChildShape(btTransform::getIdentity(), ground);
+                    ground = world.Keep(std::move(compound));
+                }
+                world.Add(ground, 0, btVector3(0, btScalar(-0.5), 0));
+                const qcModel cube = qcBoxModel(btVector3(half, half, half), 2);
+                btRigidBody* body = world.Add(world.Keep(cube.MakeShape()), 1, btVector3(0, random.Number(1, 1.3), 0));
+                body->setLinearVelocity(btVector3(0, -speed, 0));
+                world.Step(240);
+                ck_assert_double_gt(double(body->getWorldTransform().getOrigin().y()), 0);
+            }
+}
+END_TEST
+
 /// What is pressed on a mesh: a convex shape, or a compound of one, up to 25 cm in half.
 std::unique_ptr<btCollisionShape> MakePressed(qcMeshWorld* world, qcRandomNumbers* random, btScalar* height)
 {
@@ -494,6 +521,7 @@ QC_TEST_MAIN()
     tcase_add_loop_test(tests, a_fast_kinematic_mesh_takes_along_a_convex_shape, 0, convex_kinds);
     tcase_add_loop_test(tests, fast_kinematic_convex_shapes_pass_no_mesh, 0, convex_kinds);
     tcase_add_test(tests, a_kinematic_convex_shape_that_is_put_elsewhere_takes_nothing_along);
+    tcase_add_loop_test(tests, debris_that_sinks_into_a_box_comes_out_again, 0, 2);
     tcase_add_test(tests, heavy_heaps_press_nothing_through_a_mesh);
     tcase_add_test(tests, a_piston_presses_nothing_through_a_mesh);
     tcase_add_loop_test(tests, a_convex_shape_passes_only_what_it_does_not_collide_with, 0, exemption_kinds);
