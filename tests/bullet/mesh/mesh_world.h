@@ -36,10 +36,12 @@ struct qcMeshWorld
     std::vector<std::unique_ptr<btStridingMeshInterface>> interfaces;
     double stepMs = 0; ///< mean time of a step in the last Step
 
-    qcMeshWorld()
+    /// `adds`: otherwise the test calls contact.addTo, after actions of its own.
+    explicit qcMeshWorld(bool adds = true)
     {
         btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher);
-        contact.addTo(&world);
+        if (adds)
+            contact.addTo(&world);
         contact.setThreadCount(1);
     }
 

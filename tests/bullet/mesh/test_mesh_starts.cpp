@@ -18,77 +18,50 @@ enum Order
 };
 
 /// A character on a floor that is a qcMeshShape, and a wall of 1 cm far from it.
-struct CharacterWorld
+struct CharacterWorld : qcMeshWorld
 {
-    qcMeshContact contact;
-    btDefaultCollisionConfiguration configuration;
-    btCollisionDispatcher dispatcher{&configuration};
-    qcBroadphase broadphase;
-    btSequentialImpulseConstraintSolver solver;
-    btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
     btGhostPairCallback ghostPairs;
     btPairCachingGhostObject ghost;
     btCapsuleShape capsule{btScalar(0.4), 1};
-    std::unique_ptr<btKinematicCharacterController> character;
-    std::vector<std::unique_ptr<btCollisionShape>> shapes;
-    std::vector<std::unique_ptr<btRigidBody>> bodies;
-    const qcModel floor = qcFloorModel(4, 8), wall = qcBoxModel(btVector3(btScalar(0.005), 3, 3), 4),
-                  box = qcBoxModel(btVector3(btScalar(0.2), btScalar(0.2), btScalar(0.2)), 2);
+    btKinematicCharacterController character{&ghost, &capsule, btScalar(0.35)};
 
-    explicit CharacterWorld(int order)
+    explicit CharacterWorld(int order) : qcMeshWorld(false)
     {
         world.getPairCache()->setInternalGhostPairCallback(&ghostPairs);
         ghost.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, 1, 0)));
         ghost.setCollisionShape(&capsule);
         ghost.setCollisionFlags(btCollisionObject::CF_CHARACTER_OBJECT);
-        character = std::make_unique<btKinematicCharacterController>(&ghost, &capsule, btScalar(0.35));
-        character->setMaxPenetrationDepth(0);
-        character->setGravity(btVector3(0, -10, 0));
+        character.setMaxPenetrationDepth(0);
+        character.setGravity(btVector3(0, -10, 0));
         if (order == order_characterFirst)
-            world.addAction(character.get());
+            world.addAction(&character);
         contact.addTo(&world);
-        contact.setThreadCount(1);
         if (order == order_limitsFirst)
-            world.addAction(character.get());
-        Add(floor.MakeShape(), 0, btVector3(0, 0, 0));
-        Add(wall.MakeShape(), 0, btVector3(s_wallAt, 10, 0));
+            world.addAction(&character);
+        Add(Keep(qcFloorModel(4, 8).MakeShape()), 0, btVector3(0, 0, 0));
+        Add(Keep(qcBoxModel(btVector3(btScalar(0.005), 3, 3), 4).MakeShape()), 0, btVector3(s_wallAt, 10, 0));
         world.addCollisionObject(&ghost, btBroadphaseProxy::CharacterFilter,
                                  btBroadphaseProxy::StaticFilter | btBroadphaseProxy::DefaultFilter);
     }
     ~CharacterWorld()
     {
-        world.removeAction(character.get());
+        world.removeAction(&character);
         world.removeCollisionObject(&ghost);
-        for (const auto& body : bodies)
-            world.removeRigidBody(body.get());
+        world.getPairCache()->setInternalGhostPairCallback(nullptr);
     }
-    CharacterWorld(const CharacterWorld&) = delete;
-    CharacterWorld& operator=(const CharacterWorld&) = delete;
 
     /// A body that no gravity moves.
-    btRigidBody* Add(std::unique_ptr<btCollisionShape> shape, btScalar mass, const btVector3& at)
+    btRigidBody* AddFree(std::unique_ptr<btCollisionShape> shape, const btVector3& at)
     {
-        shapes.push_back(std::move(shape));
-        btVector3 inertia(0, 0, 0);
-        if (mass > 0)
-            shapes.back()->calculateLocalInertia(mass, inertia);
-        btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shapes.back().get(), inertia);
-        info.m_startWorldTransform.setOrigin(at);
-        bodies.emplace_back(new btRigidBody(info));
-        world.addRigidBody(bodies.back().get());
-        bodies.back()->setGravity(btVector3(0, 0, 0));
-        bodies.back()->setActivationState(DISABLE_DEACTIVATION);
-        return bodies.back().get();
+        btRigidBody* body = Add(Keep(std::move(shape)), 1, at);
+        body->setGravity(btVector3(0, 0, 0));
+        body->setActivationState(DISABLE_DEACTIVATION);
+        return body;
     }
-
-    void Step(int count)
+    btRigidBody* AddBox()
     {
-        for (int i = 0; i < count; i++)
-        {
-            world.stepSimulation(qcStep, 0);
-            ck_assert_int_eq(contact.getStatistics().status, qc_statusOk);
-            ck_assert_int_eq(contact.getStatistics().unproven, 0);
-        }
+        const btVector3 half(btScalar(0.2), btScalar(0.2), btScalar(0.2));
+        return AddFree(qcBoxModel(half, 2).MakeShape(), btVector3(s_wallAt - 2, 10, 0));
     }
 };
 
@@ -105,7 +78,7 @@ double PutBehind(CharacterWorld* made, btRigidBody* body)
 START_TEST(what_is_put_behind_a_wall_is_there_where_a_character_walks)
 {
     CharacterWorld made(_i);
-    btRigidBody* body = made.Add(made.box.MakeShape(), 1, btVector3(s_wallAt - 2, 10, 0));
+    btRigidBody* body = made.AddBox();
     made.Step(60);
     ck_assert_double_gt(double(made.ghost.getWorldTransform().getOrigin().y()), 0); // the floor carries it
     ck_assert_double_eq_tol(PutBehind(&made, body), double(s_wallAt + 2), 1e-5);
@@ -118,8 +91,8 @@ START_TEST(fast_convex_shapes_pass_no_mesh_where_a_character_walks)
     {
         CharacterWorld made(_i);
         made.Step(10);
-        btRigidBody* ball = made.Add(std::make_unique<btSphereShape>(btScalar(0.2)), 1,
-                                     btVector3(s_wallAt - 2 + btScalar(0.04) * btScalar(start), 9, 0));
+        btRigidBody* ball = made.AddFree(std::make_unique<btSphereShape>(btScalar(0.2)),
+                                         btVector3(s_wallAt - 2 + btScalar(0.04) * btScalar(start), 9, 0));
         ball->setLinearVelocity(100 * s_x);
         made.Step(20);
         ck_assert_double_lt(double(ball->getWorldTransform().getOrigin().x()), double(s_wallAt));
@@ -142,7 +115,7 @@ struct CountPoints : btCollisionWorld::ContactResultCallback
 START_TEST(what_is_put_behind_a_wall_is_there_after_a_query_with_a_compound)
 {
     CharacterWorld made(order_limitsFirst);
-    btRigidBody* body = made.Add(made.box.MakeShape(), 1, btVector3(s_wallAt - 2, 10, 0));
+    btRigidBody* body = made.AddBox();
     made.Step(10);
     btBoxShape box(btVector3(btScalar(0.3), btScalar(0.3), btScalar(0.3)));
     btCompoundShape compound;
