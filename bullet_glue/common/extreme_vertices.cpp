@@ -1,6 +1,8 @@
 // The extreme vertices of a mesh along a direction.
 #include "common/extreme_vertices.h"
 
+#include "common/vertex_box.h"
+
 #include <cmath>
 #include <limits>
 
@@ -47,19 +49,15 @@ uint32_t CellOf(const btVector3& point, const btVector3& lower, const btVector3&
 /// The numbers of points, in the order of their cells.
 std::vector<uint32_t> SortByCell(const btVector3* points, size_t count)
 {
-    btVector3 lower = points[0], upper = lower, scale;
-    for (size_t i = 1; i < count; i++)
-    {
-        lower.setMin(points[i]);
-        upper.setMax(points[i]);
-    }
+    btVector3 box[2], scale;
+    qcFindBox(points, count, box);
     for (int axis = 0; axis < 3; axis++)
-        scale[axis] = btScalar(s_cells) / std::max(upper[axis] - lower[axis], SIMD_EPSILON);
+        scale[axis] = btScalar(s_cells) / std::max(box[1][axis] - box[0][axis], SIMD_EPSILON);
     uint32_t starts[s_cells * s_cells * s_cells + 1] = {};
     std::vector<uint32_t> cells(count), ids(count);
     for (size_t i = 0; i < count; i++)
     {
-        cells[i] = CellOf(points[i], lower, scale);
+        cells[i] = CellOf(points[i], box[0], scale);
         starts[cells[i] + 1]++;
     }
     for (size_t cell = 1; cell < s_cells * s_cells * s_cells; cell++)
@@ -70,25 +68,28 @@ std::vector<uint32_t> SortByCell(const btVector3* points, size_t count)
 }
 } // namespace
 
-void qcExtremeVertices::Points::Add(const btVector3& point)
-{
-    x.push_back(point.x());
-    y.push_back(point.y());
-    z.push_back(point.z());
-}
-
 qcProducts qcExtremeVertices::Points::Along(const btVector3& direction) const
 {
     return {x.data(), y.data(), z.data(), direction.x(), direction.y(), direction.z()};
 }
 
-qcExtremeVertices::qcExtremeVertices(const btVector3* points, size_t count) : m_count(count)
+void qcExtremeVertices::Points::Assign(const btVector3* points, size_t count)
 {
     const size_t padded = PaddedCount(count);
-    for (std::vector<btScalar>* axis : {&m_vertices.x, &m_vertices.y, &m_vertices.z})
+    for (std::vector<btScalar>* axis : {&x, &y, &z})
         axis->reserve(padded);
     for (size_t i = 0; i < padded; i++)
-        m_vertices.Add(points[std::min(i, count - 1)]);
+    {
+        const btVector3& point = points[std::min(i, count - 1)];
+        x.push_back(point.x());
+        y.push_back(point.y());
+        z.push_back(point.z());
+    }
+}
+
+qcExtremeVertices::qcExtremeVertices(const btVector3* points, size_t count) : m_count(count)
+{
+    m_vertices.Assign(points, count);
     if (count >= s_minVertices)
         MakeRuns(points);
 }
@@ -96,21 +97,21 @@ qcExtremeVertices::qcExtremeVertices(const btVector3* points, size_t count) : m_
 void qcExtremeVertices::MakeRuns(const btVector3* points)
 {
     m_ids = SortByCell(points, m_count);
-    m_runs = (m_count + s_run - 1) / s_run;
-    for (size_t i = 0; i < PaddedCount(m_count); i++)
-        m_inRuns.Add(points[m_ids[std::min(i, m_count - 1)]]);
-    for (size_t i = 0; i < PaddedCount(m_runs); i++)
+    std::vector<btVector3> inRuns, lower, upper;
+    for (uint32_t id : m_ids)
+        inRuns.push_back(points[id]);
+    m_inRuns.Assign(inRuns.data(), m_count);
+    m_ids.resize(PaddedCount(m_count), m_ids.back());
+    for (size_t first = 0; first < m_count; first += s_run)
     {
-        const size_t first = std::min(i, m_runs - 1) * s_run, end = std::min(first + s_run, m_count);
-        btVector3 lower = points[m_ids[first]], upper = lower;
-        for (size_t k = first + 1; k < end; k++)
-        {
-            lower.setMin(points[m_ids[k]]);
-            upper.setMax(points[m_ids[k]]);
-        }
-        m_lower.Add(lower);
-        m_upper.Add(upper);
+        btVector3 box[2];
+        qcFindBox(&inRuns[first], std::min(s_run, m_count - first), box);
+        lower.push_back(box[0]);
+        upper.push_back(box[1]);
     }
+    m_runs = lower.size();
+    m_lower.Assign(lower.data(), m_runs);
+    m_upper.Assign(upper.data(), m_runs);
 }
 
 /// The products of the boxes' furthest corners.
@@ -180,8 +181,7 @@ uint32_t qcExtremeVertices::FindMax(const btVector3& direction) const
     auto visit = [&](size_t first, size_t end)
     {
         for (size_t i = first; i < end; i += qcLaneCount)
-            ForEachAbove(vertices.At(i), max,
-                         [&](size_t lane) { found = std::min(found, m_ids[std::min(i + lane, m_count - 1)]); });
+            ForEachAbove(vertices.At(i), max, [&](size_t lane) { found = std::min(found, m_ids[i + lane]); });
         return max;
     };
     VisitRunsAbove(BoxesAlong(direction), max, visit);

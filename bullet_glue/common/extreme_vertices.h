@@ -64,7 +64,8 @@ class qcExtremeVertices
     {
         std::vector<btScalar> x, y, z;
 
-        void Add(const btVector3& point);
+        /// Copies points, padded to whole blocks with copies of the last one.
+        void Assign(const btVector3* points, size_t count);
         qcProducts Along(const btVector3& direction) const;
     };
 
@@ -72,11 +73,11 @@ class qcExtremeVertices
     qcProducts BoxesAlong(const btVector3& direction) const;
     template <typename Visit> void VisitRunsAbove(const qcProducts& boxes, btScalar least, Visit visit) const;
 
-    size_t m_count, m_runs = 0;  ///< runs: 0 for a small mesh
-    Points m_vertices;           ///< padded to whole blocks with copies of the last one
-    Points m_inRuns;             ///< those near each other in one run; padded likewise
-    std::vector<uint32_t> m_ids; ///< of these, without the padding
-    Points m_lower, m_upper;     ///< corners of the runs' boxes; padded likewise
+    size_t m_count, m_runs = 0; ///< runs: 0 for a small mesh
+    Points m_vertices;
+    Points m_inRuns;             ///< those near each other in one run
+    std::vector<uint32_t> m_ids; ///< of these, padded likewise
+    Points m_lower, m_upper;     ///< corners of the runs' boxes
 };
 
 #endif

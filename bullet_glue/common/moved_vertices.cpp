@@ -18,16 +18,6 @@ std::vector<btVector3> Transformed(const btTransform& transform, const btVector3
 }
 } // namespace
 
-void qcFindBox(const btVector3* vertices, size_t count, btVector3 box[2])
-{
-    box[0] = box[1] = vertices[0];
-    for (size_t i = 1; i < count; i++)
-    {
-        box[0].setMin(vertices[i]);
-        box[1].setMax(vertices[i]);
-    }
-}
-
 bool qcHaveMoved(const btVector3* last, const btVector3* vertices, size_t count, const btVector3 box[2])
 {
     const btScalar most = (box[1] - box[0]).length2() / 4;

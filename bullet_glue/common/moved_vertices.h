@@ -8,9 +8,6 @@
 
 #include <cstddef>
 
-/// The lower and upper corner of the box around `count` vertices, at least one.
-void qcFindBox(const btVector3* vertices, size_t count, btVector3 box[2]);
-
 /// True if the vertices are where a mesh with this box may have moved them from `last`: none by more than half the
 /// box's diagonal. A mesh that was put elsewhere doesn't pass what lies between.
 bool qcHaveMoved(const btVector3* last, const btVector3* vertices, size_t count, const btVector3 box[2]);

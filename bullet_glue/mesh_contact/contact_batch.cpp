@@ -18,10 +18,11 @@ namespace
 // Pairs that a thread takes at a time, each of half a microsecond.
 constexpr size_t s_storeBlock = 128;
 
-/// Bullet's ghosts have pairs of their own, which character controllers process at other times.
-bool IsGhost(const btCollisionObject* object)
+/// True if one of the two is a ghost. Ghosts have pairs of their own, which character controllers process at other
+/// times.
+bool AreOfGhost(const btCollisionObject* a, const btCollisionObject* b)
 {
-    return (object->getInternalType() & btCollisionObject::CO_GHOST_OBJECT) != 0;
+    return ((a->getInternalType() | b->getInternalType()) & btCollisionObject::CO_GHOST_OBJECT) != 0;
 }
 
 /// The box of a mesh in the frame of another one, enlarged.
@@ -394,7 +395,7 @@ void qcMeshBatch::FindPoints(const qcPlacedMesh& a, const qcPlacedMesh& b, btSca
             *check != m_validity.GetNumber() && m_validity.IsAsChecked(a.object) && m_validity.IsAsChecked(b.object);
         if (!checked)
         {
-            if (!IsGhost(a.object) && !IsGhost(b.object))
+            if (!AreOfGhost(a.object, b.object))
                 MarkStarts();
             bool holds = m_validity.Check();
             ClearStatistics();
@@ -420,7 +421,7 @@ void qcMeshBatch::MarkStarts()
 
 void qcMeshBatch::MarkStarts(const btCollisionObject* a, const btCollisionObject* b, uint64_t* mark)
 {
-    if (IsGhost(a) || IsGhost(b))
+    if (AreOfGhost(a, b))
         return;
     // The second call since a mark, or the first one since the end of a step, belongs to a new step.
     auto isNew = [this, mark] { return !m_isMarked || *mark == m_mark; };

@@ -105,42 +105,40 @@ qcMotionLimiter::Meeting qcMotionLimiter::FindMeeting(const qcPair& pair, const 
                : Meeting::touches;
 }
 
-/// Has a pair tested by inner cores. False: it is already, or has no cores.
-bool qcMotionLimiter::UseInnerCores(const qcSweptPair& pair)
+/// True if a pair is tested by cores that inner ones can take the place of.
+bool qcMotionLimiter::IsTestedByCores(const qcSweptPair& pair) const
 {
-    if (!HasCores(pair) || !m_inner.insert(qcNumbersOf(pair)).second)
-        return false;
+    const Numbers numbers = qcNumbersOf(pair);
+    return HasCores(pair) && m_inner.count(numbers) == 0 && m_exempt.count(numbers) == 0;
+}
+
+void qcMotionLimiter::UseInnerCores(const qcSweptPair& pair)
+{
+    m_inner.insert(qcNumbersOf(pair));
     m_objects.AddInnerCores(pair.first);
     m_objects.AddInnerCores(pair.second);
-    return true;
 }
 
 /// Pairs whose cores are in the other object at the start are tested by inner cores. True: there are new ones, so that
 /// the result is void. Those whose mesh is inside of the inner core are exempt: Bullet's contact pushes it out.
 bool qcMotionLimiter::ExchangeCores(const qcResult& result)
 {
-    bool any = false;
+    const size_t before = m_inner.size();
     for (size_t i = 0; i < result.pairCount; i++)
     {
         const qcSweptTriangles triangles = m_scene.TrianglesOf(result.pairs[i], result.proximities[i]);
         const qcSweptPair objects = triangles.Objects();
-        if (HasCores(objects) && m_exempt.count(qcNumbersOf(objects)) == 0 &&
-            FindMeeting(result.pairs[i], triangles) == Meeting::penetrates)
-            any = UseInnerCores(objects) || any;
+        if (IsTestedByCores(objects) && FindMeeting(result.pairs[i], triangles) == Meeting::penetrates)
+            UseInnerCores(objects);
     }
+    auto isInside = [](const qcSweptPair& pair, qcSweptPart core)
+    { return pair.first->EnclosesAtStart(core, *pair.second) || pair.second->EnclosesAtStart(core, *pair.first); };
     for (const qcSweptPair& pair : m_pairs)
-    {
-        if (!HasCores(pair))
-            continue;
-        const qcSweptPart core = m_inner.count(qcNumbersOf(pair)) > 0 ? qcSweptPart::innerCore : qcSweptPart::core;
-        if (!pair.first->EnclosesAtStart(core, *pair.second) && !pair.second->EnclosesAtStart(core, *pair.first))
-            continue;
-        if (UseInnerCores(pair))
-            any = true;
-        else
+        if (IsTestedByCores(pair) && isInside(pair, qcSweptPart::core))
+            UseInnerCores(pair);
+        else if (m_inner.count(qcNumbersOf(pair)) > 0 && isInside(pair, qcSweptPart::innerCore))
             m_exempt.insert(qcNumbersOf(pair));
-    }
-    return any;
+    return m_inner.size() > before;
 }
 
 /// Objects that meet at the start only touch, up to rounding, or are exempt as a whole: a triangle inside another

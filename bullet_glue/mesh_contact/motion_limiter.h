@@ -71,7 +71,7 @@ class qcMotionLimiter
     void InvalidateShape(const btCollisionShape* shape);
 
   private:
-    using Numbers = std::pair<uint32_t, uint32_t>; ///< of two objects, the lower one first
+    using Numbers = qcPairNumbers;
 
     /// What a round has done.
     enum class Round
@@ -126,7 +126,8 @@ class qcMotionLimiter
     bool AreInEachOther(const qcSweptObject& a, const qcSweptObject& b, const qcProximity& atStart) const;
     bool HaveHulls(const qcSweptObject& a, const qcSweptObject& b) const;
     Meeting FindMeeting(const qcPair& pair, const qcSweptTriangles& triangles) const;
-    bool UseInnerCores(const qcSweptPair& pair);
+    bool IsTestedByCores(const qcSweptPair& pair) const;
+    void UseInnerCores(const qcSweptPair& pair);
     bool ExchangeCores(const qcResult& result);
     bool CollectMeetings(const qcResult& result);
     void FindUnproven(const qcResult& result, bool pushes);
@@ -169,9 +170,8 @@ class qcMotionLimiter
     std::vector<Touch> m_touches;                      ///< likewise
     std::vector<qcSweptPair> m_unprovenPairs;          ///< of the present round, by their objects' numbers
     std::vector<qcSweptTriangles> m_unprovenTriangles; ///< of the last detection
-    std::set<Numbers> m_exempt; ///< objects that penetrate at the start of the step, or can't be kept apart in it
-    std::set<Numbers>
-        m_inner; ///< objects that inner cores are tested for, since cores are in the other's mesh at the start
+    std::set<Numbers> m_exempt;  ///< objects that penetrate at the start of the step, or can't be kept apart in it
+    std::set<Numbers> m_inner;   ///< objects of which inner cores are tested: they are in each other at the start
     std::set<Numbers> m_meeting; ///< objects that touch at the start of the step, up to rounding
     qcMotionPlanes m_planes;
     std::set<Numbers> m_stopped, m_previouslyStopped; ///< objects with planes, in this step and in the previous one

@@ -2,6 +2,7 @@
 #include "mesh_contact/swept_mesh.h"
 
 #include "common/moved_vertices.h"
+#include "common/vertex_box.h"
 #include "quickcullide/hash.h"
 
 qcSweptMesh::qcSweptMesh(const qcSweptSource& source, bool keeps)

@@ -26,7 +26,7 @@ btTransform qcSweptObject::At(btScalar part) const
 void qcSweptObject::ReadCores()
 {
     const bool isConvex = object->getCollisionShape()->isConvex();
-    halfWidth = hasMesh && !isConvex ? btScalar(0) : BT_LARGE_FLOAT;
+    halfWidth = hasMesh ? btScalar(0) : BT_LARGE_FLOAT;
     auto add = [this, isConvex](const qcConvexCore& core, const btTransform&)
     {
         hasMesh = true;

@@ -101,9 +101,9 @@ struct qcSweptObject
 };
 
 using qcSweptPair = std::pair<qcSweptObject*, qcSweptObject*>; ///< the lower number first
+using qcPairNumbers = std::pair<uint32_t, uint32_t>;           ///< of two objects, the lower one first
 
-/// The numbers of two objects, the lower one first.
-inline std::pair<uint32_t, uint32_t> qcNumbersOf(const qcSweptPair& pair)
+inline qcPairNumbers qcNumbersOf(const qcSweptPair& pair)
 {
     return std::minmax(pair.first->number, pair.second->number);
 }

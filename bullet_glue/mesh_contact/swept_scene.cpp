@@ -67,8 +67,8 @@ bool qcSweptScene::TestPair(void* context, uint32_t slotA, uint32_t slotB)
     return a.mesh->part != left && b.mesh->part != left;
 }
 
-qcStatus qcSweptScene::Detect(const std::vector<qcSweptPair>& pairs,
-                              const std::set<std::pair<uint32_t, uint32_t>>& inner, const qcResult** result)
+qcStatus qcSweptScene::Detect(const std::vector<qcSweptPair>& pairs, const std::set<qcPairNumbers>& inner,
+                              const qcResult** result)
 {
     m_pairs = &pairs;
     m_inner = &inner;
@@ -105,7 +105,7 @@ qcSweptScene::Side qcSweptScene::SideOf(uint32_t slot) const
     return {swept, &swept->meshes[mesh]};
 }
 
-std::pair<uint32_t, uint32_t> qcSweptScene::NumbersOf(const qcPair& pair) const
+qcPairNumbers qcSweptScene::NumbersOf(const qcPair& pair) const
 {
     return std::minmax(SideOf(pair.bodyA).swept->number, SideOf(pair.bodyB).swept->number);
 }

@@ -19,10 +19,10 @@ class qcSweptScene
 
     /// Finds the pairs of triangles that are not proven apart, of these pairs of objects, by number (qcIsBefore). Those
     /// in `inner` are tested by inner cores in place of cores. The result is valid until the next call.
-    qcStatus Detect(const std::vector<qcSweptPair>& pairs, const std::set<std::pair<uint32_t, uint32_t>>& inner,
+    qcStatus Detect(const std::vector<qcSweptPair>& pairs, const std::set<qcPairNumbers>& inner,
                     const qcResult** result);
-    /// The objects of a pair of triangles, the lower one first.
-    std::pair<uint32_t, uint32_t> NumbersOf(const qcPair& pair) const;
+    /// The objects of a pair of triangles.
+    qcPairNumbers NumbersOf(const qcPair& pair) const;
     qcSweptTriangles TrianglesOf(const qcPair& pair, const qcProximity& atStart) const;
 
     /// Null before the first detection.
@@ -45,9 +45,9 @@ class qcSweptScene
 
     const qcBatchSettings& m_settings;
     qcScene* m_scene = nullptr;
-    const std::vector<qcSweptPair>* m_pairs = nullptr;                ///< of the present detection
-    const std::set<std::pair<uint32_t, uint32_t>>* m_inner = nullptr; ///< likewise
-    std::vector<std::pair<qcSweptObject*, size_t>> m_meshOfSlot;      ///< object and index of its mesh
+    const std::vector<qcSweptPair>* m_pairs = nullptr;           ///< of the present detection
+    const std::set<qcPairNumbers>* m_inner = nullptr;            ///< likewise
+    std::vector<std::pair<qcSweptObject*, size_t>> m_meshOfSlot; ///< object and index of its mesh
 };
 
 #endif

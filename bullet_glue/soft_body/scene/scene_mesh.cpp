@@ -2,6 +2,7 @@
 #include "soft_body/scene/scene_mesh.h"
 
 #include "common/moved_vertices.h"
+#include "common/vertex_box.h"
 #include "common/object_key.h"
 #include "common/shape_triangles.h"
 #include "common/weld_vertices.h"

@@ -115,18 +115,23 @@ START_TEST(a_core_follows_changes_of_its_shape)
 }
 END_TEST
 
-/// Checks in each step that what the oracle follows stays apart and that slow bodies gain no energy; the number of
-/// limited objects.
+/// One step, in which what the oracle follows stays apart. Returns the number of limited objects.
+int StepApart(qcMeshWorld* world, qcMotionOracle* oracle)
+{
+    world->Step();
+    ck_assert_int_eq(world->contact.getStatistics().unproven, 0);
+    ck_assert_uint_eq(oracle->Count(), 0);
+    return world->contact.getStatistics().limited;
+}
+
+/// Steps in which slow bodies gain no energy, either.
 int StepApart(qcMeshWorld* world, qcMotionOracle* oracle, int steps, btScalar speed)
 {
     const double energy = world->Energy();
     int limited = 0;
     for (int step = 0; step < steps; step++)
     {
-        world->Step();
-        limited += world->contact.getStatistics().limited;
-        ck_assert_int_eq(world->contact.getStatistics().unproven, 0);
-        ck_assert_uint_eq(oracle->Count(), 0);
+        limited += StepApart(world, oracle);
         // Bullet's integration of bodies that spin at a thousand radians a second gains energy.
         ck_assert(speed > 10 || world->Energy() <= energy * 1.01);
     }
@@ -288,10 +293,7 @@ START_TEST(fast_kinematic_convex_shapes_pass_no_mesh)
                 place.setOrigin(place.getOrigin() - speed / 60 * s_z);
                 place.setRotation(btQuaternion(spin.normalized(), spin.length()) * place.getRotation());
                 mover->setWorldTransform(place);
-                world.Step();
-                limited += world.contact.getStatistics().limited;
-                ck_assert_int_eq(world.contact.getStatistics().unproven, 0);
-                ck_assert_uint_eq(oracle.Count(), 0);
+                limited += StepApart(&world, &oracle);
             }
         }
     ck_assert_int_gt(limited, 0);
@@ -406,11 +408,7 @@ START_TEST(heavy_heaps_press_nothing_through_a_mesh)
         PressedHeap heap(start, 2 + int(start % 8), 3);
         heap.oracle.Add(floor, heap.world.Add(heap.world.Keep(floor.MakeShape()), 0, btVector3(0, 0, 0)));
         for (int step = 0; step < 240; step++)
-        {
-            heap.world.Step();
-            ck_assert_int_eq(heap.world.contact.getStatistics().unproven, 0);
-            ck_assert_uint_eq(heap.oracle.Count(), 0);
-        }
+            StepApart(&heap.world, &heap.oracle);
     }
 }
 END_TEST
@@ -431,9 +429,7 @@ START_TEST(a_piston_presses_nothing_through_a_mesh)
             // It stops next to the floor.
             place.getOrigin().setY(std::max(place.getOrigin().y() - speed * qcStep, btScalar(0.3)));
             piston->setWorldTransform(place);
-            heap.world.Step();
-            ck_assert_int_eq(heap.world.contact.getStatistics().unproven, 0);
-            ck_assert_uint_eq(heap.oracle.Count(), 0);
+            StepApart(&heap.world, &heap.oracle);
         }
     }
 }
