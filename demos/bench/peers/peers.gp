@@ -33,8 +33,8 @@ set boxwidth 0.9 * width
 set key outside right top Left reverse samplen 1.5 spacing 1.2
 set ylabel 'ms a step: positions in, pairs out'
 set bmargin 3.5
-set multiplot layout words(threads), 1 \
-    title "Ours beside peers: median of a step. Above the bars: Embree's best, as a multiple of ours" font ',12'
+above = strstrt(methods, 'embree') > 0 ? ". Above the bars: Embree's best, as a multiple of ours" : ''
+set multiplot layout words(threads), 1 title 'Ours beside peers: median of a step'.above font ',12'
 do for [t in threads] {
     set title t eq '1' ? '1 thread' : t.' threads' font ',12'
     eval value('labels'.t)
