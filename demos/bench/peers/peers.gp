@@ -5,6 +5,7 @@ set datafile separator comma
 set datafile columnheaders
 place(s, list) = sum [k = 1:words(list)] (word(list, k) eq s ? k : 0)
 isHere(t, m) = strcol('threads') eq t && strcol('method') eq word(methods, m)
+hasBar(t, m) = place(word(methods, m), value('bars'.t)) > 0
 count = words(methods)
 width = 0.8 / count
 at(m) = place(strcol('scene'), scenes) + (m - 0.5 * (count + 1)) * width
@@ -39,7 +40,7 @@ do for [t in threads] {
     set title t eq '1' ? '1 thread' : t.' threads' font ',12'
     eval value('labels'.t)
     plot for [m = 1:count] csv using (isHere(t, m) ? at(m) : NaN):(column('ms')) \
-        with boxes lc rgb word(colors, m) title word(methods, m)
+        with boxes lc rgb word(colors, m) title hasBar(t, m) ? word(methods, m) : ''
     unset label
 }
 unset multiplot

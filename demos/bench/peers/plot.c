@@ -54,6 +54,25 @@ static void WriteMethods(FILE* stream, const qcPeersTable* tables, uint32_t tabl
     }
 }
 
+/// For each number of threads the methods that have a bar.
+static void WriteBars(FILE* stream, const qcPeersOptions* options, const qcPeersTable* tables, uint32_t tableCount)
+{
+    for (uint32_t i = 0; i < options->threadsCount; ++i)
+    {
+        fprintf(stream, "bars%" PRIu32 " = '", options->threads[i]);
+        for (uint32_t t = 0; t < tableCount; ++t)
+        {
+            for (uint32_t r = 0; r < tables[t].rowCount; ++r)
+            {
+                const qcPeerRow* row = &tables[t].rows[r];
+                if (row->skipped[0] == 0 && row->threads == options->threads[i])
+                    fprintf(stream, "%s ", row->entrant.name);
+            }
+        }
+        fputs("'\n", stream);
+    }
+}
+
 static void WriteScenes(FILE* stream, const qcPeersTable* tables, uint32_t tableCount)
 {
     fputs("scenes = '", stream);
@@ -114,6 +133,7 @@ bool qcPeers_Plot(const qcPeersOptions* options, const qcPeersTable* tables, uin
     fputs("# What was measured.\n", output.stream);
     WriteScenes(output.stream, tables, tableCount);
     WriteMethods(output.stream, tables, tableCount);
+    WriteBars(output.stream, options, tables, tableCount);
     WriteTimes(output.stream, options, tables, tableCount);
     fputc('\n', output.stream);
     fputs(s_peersScript, output.stream);
