@@ -134,9 +134,18 @@ struct qcPlacedSupport
     {
         return direction * transform.getBasis();
     }
+    /// The first vertex with the largest product with the direction.
+    uint32_t FindMax(const btVector3& direction) const
+    {
+        return mesh->Vertices().FindMax(ToLocal(direction));
+    }
     btVector3 VertexAt(uint32_t index) const
     {
         return transform * mesh->Triangles().points[index];
+    }
+    btScalar Radius() const
+    {
+        return mesh->Radius();
     }
 };
 

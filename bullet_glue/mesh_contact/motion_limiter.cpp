@@ -3,6 +3,7 @@
 
 #include "common/parallel_loop.h"
 #include "common/stopwatch.h"
+#include "mesh_contact/clear_path.h"
 #include "mesh_contact/touching_faces.h"
 
 #include <LinearMath/btQuickprof.h>
@@ -465,6 +466,17 @@ void qcMotionLimiter::SkipProvenPairs()
     RemovePairs(s_gapBlock, isProven);
 }
 
+/// Leaves out the pairs of a hull and meshes that stay, where one plane is between it and each triangle near its path.
+void qcMotionLimiter::SkipClearPairs()
+{
+    auto isClear = [this](size_t i)
+    {
+        const qcSweptObject &a = *m_pairs[i].first, &b = *m_pairs[i].second;
+        return m_inner.count(qcNumbersOf(m_pairs[i])) == 0 && (qcHasClearPath(a, b) || qcHasClearPath(b, a));
+    };
+    RemovePairs(s_hullBlock, isClear);
+}
+
 void qcMotionLimiter::SortPairs()
 {
     std::sort(m_pairs.begin(), m_pairs.end(), qcIsBefore);
@@ -599,6 +611,7 @@ qcStatus qcMotionLimiter::Certify()
         else
             SkipSettledPairs(reported);
         SkipProvenPairs();
+        SkipClearPairs();
         SortPairs();
         m_unprovenPairs = m_pairs;
         for (qcSweptObject* swept : m_objects.Get())

@@ -146,6 +146,7 @@ class qcMotionLimiter
     void WakeNearDeforming() const;
     void RemovePairs(size_t block, const std::function<bool(size_t)>& isProven);
     void SkipProvenPairs();
+    void SkipClearPairs();
     void LookUp(qcSweptObject* swept);
     void SortPairs();
     bool IsSeparated(const qcSweptPair& pair, Touch* touch) const;

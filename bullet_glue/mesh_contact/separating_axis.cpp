@@ -134,7 +134,8 @@ void FindWeights(const Simplex& simplex, btScalar weights[3])
     }
 }
 
-void SetClosest(const qcPlacedSupport& a, const qcPlacedSupport& b, const Simplex& simplex, qcSeparation* separation)
+template <typename A, typename B>
+void SetClosest(const A& a, const B& b, const Simplex& simplex, qcSeparation* separation)
 {
     if (simplex.count == 0 || simplex.count > 3)
         return;
@@ -151,17 +152,37 @@ void SetClosest(const qcPlacedSupport& a, const qcPlacedSupport& b, const Simple
     }
 }
 
-/// Iterates to the largest gap. Ends early where the hulls touch or overlap: false.
-bool Iterate(const qcPlacedSupport& a, const qcPlacedSupport& b, btScalar enough, Simplex* simplex,
-             qcSeparation* separation)
+/// A triangle in place of a hull.
+struct Triangle
 {
-    btScalar tiny = s_absolute * (a.mesh->Radius() + b.mesh->Radius());
+    const btVector3* corners;
+
+    uint32_t FindMax(const btVector3& direction) const
+    {
+        return uint32_t(
+            btVector3(direction.dot(corners[0]), direction.dot(corners[1]), direction.dot(corners[2])).maxAxis());
+    }
+    const btVector3& VertexAt(uint32_t index) const
+    {
+        return corners[index];
+    }
+    btScalar Radius() const
+    {
+        return std::max(corners[0].distance(corners[1]), corners[0].distance(corners[2]));
+    }
+};
+
+/// Iterates to the largest gap. Ends early where the hulls touch or overlap: false.
+template <typename A, typename B>
+bool Iterate(const A& a, const B& b, btScalar enough, Simplex* simplex, qcSeparation* separation)
+{
+    btScalar tiny = s_absolute * (a.Radius() + b.Radius());
     btVector3 axis = separation->axis;
     for (int i = 0; i < s_maxIterations; i++)
     {
         Corner corner;
-        corner.a = a.mesh->Vertices().FindMax(a.ToLocal(axis));
-        corner.b = b.mesh->Vertices().FindMax(b.ToLocal(-axis));
+        corner.a = a.FindMax(axis);
+        corner.b = b.FindMax(-axis);
         corner.point = b.VertexAt(corner.b) - a.VertexAt(corner.a);
         btScalar gap = corner.point.dot(axis);
         if (gap > separation->gap)
@@ -261,6 +282,15 @@ qcSeparation qcSeparateHulls(const qcPlacedSupport& a, const qcPlacedSupport& b,
     separation.axis = FirstAxis(guess, b.transform.getOrigin() - a.transform.getOrigin());
     Simplex closest;
     Iterate(a, b, enough, &closest, &separation);
+    return separation;
+}
+
+qcSeparation qcSeparateFromTriangle(const qcPlacedSupport& hull, const btVector3 corners[3], const btVector3& guess)
+{
+    qcSeparation separation;
+    separation.axis = FirstAxis(guess, corners[0] - hull.transform.getOrigin());
+    Simplex closest;
+    Iterate(hull, Triangle{corners}, BT_LARGE_FLOAT, &closest, &separation);
     return separation;
 }
 

@@ -33,5 +33,7 @@ qcSeparation qcFindSeparation(const qcPlacedSupport& a, const qcPlacedSupport& b
 /// Likewise, without normals of faces. A gap that is not above 0 may be less than the largest.
 qcSeparation qcSeparateHulls(const qcPlacedSupport& a, const qcPlacedSupport& b, const btVector3& guess,
                              btScalar enough);
+/// Likewise for a hull and a triangle, from the hull to the triangle.
+qcSeparation qcSeparateFromTriangle(const qcPlacedSupport& hull, const btVector3 corners[3], const btVector3& guess);
 
 #endif

@@ -26,10 +26,16 @@ btTransform qcSweptObject::At(btScalar part) const
 void qcSweptObject::ReadCores()
 {
     const bool isConvex = object->getCollisionShape()->isConvex();
+    const bool anyMesh = hasMesh;
     halfWidth = hasMesh ? btScalar(0) : BT_LARGE_FLOAT;
-    auto add = [this, isConvex](const qcConvexCore& core, const btTransform&)
+    hulls.clear();
+    if (hull != nullptr)
+        hulls.push_back({hull, btTransform::getIdentity()});
+    auto add = [&](const qcConvexCore& core, const btTransform& place)
     {
         hasMesh = true;
+        if (!anyMesh)
+            hulls.push_back({core.hull.get(), place});
         halfWidth = std::min(halfWidth, core.halfWidth);
         if (isConvex)
             hull = core.hull.get();

@@ -20,6 +20,13 @@ struct qcSweptFloor
     btScalar HeightOf(const qcSupportMesh& mesh, const btTransform& place) const;
 };
 
+/// What of an object is tested as a hull.
+struct qcSweptHull
+{
+    const qcSupportMesh* mesh;
+    btTransform local; ///< from its frame to the object's
+};
+
 struct qcSweptObject
 {
     btCollisionObject* object = nullptr;
@@ -38,6 +45,7 @@ struct qcSweptObject
     btScalar halfWidth = BT_LARGE_FLOAT;   ///< the least of its cores
     btScalar travel = 0;                   ///< upper bound of its points' motion from start to target
     const qcSupportMesh* hull = nullptr;   ///< its mesh or core, if it consists of one small one
+    std::vector<qcSweptHull> hulls;        ///< all that is tested of it; empty: hulls are not all
     bool isNew = true;                     ///< in its first step
     bool wasActive = false;                ///< a dynamic body that did not sleep when contact was searched
     bool wasFinite = true;                 ///< when the step started
@@ -85,7 +93,7 @@ struct qcSweptObject
     {
         return IsFree() && part < MadePart() ? At(part) : end;
     }
-    /// Adds what `cores` has: sets `hasMesh`, `halfWidth` and, for a convex shape, `hull`.
+    /// Adds what `cores` has: sets `hasMesh`, `halfWidth`, `hulls` and, for a convex shape, `hull`.
     void ReadCores();
     /// True if a mesh of another object is inside of one of its cores of this kind at the start of the step.
     bool EnclosesAtStart(qcSweptPart core, const qcSweptObject& other) const;

@@ -65,12 +65,17 @@ class FirstCrossing : public btTriangleCallback
     FirstCrossing(const btVector3 start[2], const btVector3 end[2])
         : m_start(qcDoubleVectorOf(start[0])), m_motion(qcDoubleVectorOf(end[0] - start[0])),
           m_link(qcDoubleVectorOf(start[1] - start[0])),
-          m_turn(qcDoubleVectorOf((end[1] - end[0]) - (start[1] - start[0])))
+          m_turn(qcDoubleVectorOf((end[1] - end[0]) - (start[1] - start[0]))), m_ends{qcDoubleVectorOf(start[0]),
+                                                                                      qcDoubleVectorOf(start[1]),
+                                                                                      qcDoubleVectorOf(end[0]),
+                                                                                      qcDoubleVectorOf(end[1])}
     {
     }
 
     void processTriangle(btVector3* triangle, int, int) override
     {
+        if (StaysOnOneSide(triangle))
+            return;
         for (int i = 0; i < 3; i++)
             Test(triangle[i], triangle[(i + 1) % 3]);
     }
@@ -81,6 +86,25 @@ class FirstCrossing : public btTriangleCallback
     btVector3 normal{0, 0, 0}; ///< unit, perpendicular to both
 
   private:
+    /// True if the link is off the triangle's plane, on one side of it, in the whole step. Then it crosses no edge.
+    bool StaysOnOneSide(const btVector3 triangle[3]) const
+    {
+        const qcDoubleVector corner = qcDoubleVectorOf(triangle[0]),
+                             up = qcCrossOf(qcDoubleVectorOf(triangle[1] - triangle[0]),
+                                            qcDoubleVectorOf(triangle[2] - triangle[0]));
+        double lowest = INFINITY, highest = -INFINITY, size = 0;
+        for (const qcDoubleVector& end : m_ends)
+        {
+            const qcDoubleVector offset = qcMinus(end, corner);
+            const double side = qcDotOf(up, offset);
+            lowest = std::min(lowest, side);
+            highest = std::max(highest, side);
+            size = std::max({size, std::abs(offset[0]), std::abs(offset[1]), std::abs(offset[2])});
+        }
+        const double slack = s_planeSlack * size * std::sqrt(qcDotOf(up, up));
+        return lowest > slack || highest < -slack;
+    }
+
     void Test(const btVector3& from, const btVector3& to)
     {
         qcDoubleVector edge = qcDoubleVectorOf(to - from), offset = qcMinus(qcDoubleVectorOf(from), m_start);
@@ -116,7 +140,10 @@ class FirstCrossing : public btTriangleCallback
         normal = btVector3(btScalar(n[0]), btScalar(n[1]), btScalar(n[2])) / btScalar(std::sqrt(n2));
     }
 
-    const qcDoubleVector m_start, m_motion, m_link, m_turn;
+    // More than the slack of a crossing.
+    static constexpr double s_planeSlack = 1e-5;
+
+    const qcDoubleVector m_start, m_motion, m_link, m_turn, m_ends[4];
 };
 
 /// The largest motion of a node in the step.

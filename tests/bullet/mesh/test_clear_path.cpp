@@ -1,0 +1,217 @@
+// Hulls that move past meshes at rest: none that is said to pass no triangle meets one, by exact tests on the way.
+#include "mesh_contact/clear_path.h"
+
+#include "bullet/mesh/core_model.h"
+#include "bullet/mesh/motion_oracle.h"
+#include "bullet/random_numbers.h"
+
+#include <BulletCollision/CollisionShapes/btBoxShape.h>
+#include <BulletCollision/CollisionShapes/btCompoundShape.h>
+#include <BulletCollision/CollisionShapes/btConeShape.h>
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
+#include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+
+namespace
+{
+constexpr int s_pathRuns = 600;
+// How far meshes are from the origin of the world.
+constexpr double s_distances[] = {1, 10, 100, 1000};
+
+btTransform RandomFrame(qcRandomNumbers* random, double extent)
+{
+    btQuaternion turn(random->Number(-1, 1), random->Number(-1, 1), random->Number(-1, 1), random->Number(-1, 1));
+    return btTransform(turn.normalized(), random->Vector(extent));
+}
+
+/// A mesh at rest.
+struct Still
+{
+    qcModel model;
+    std::unique_ptr<qcMeshShape> shape;
+    btCollisionObject object;
+    qcSweptObject swept;
+
+    Still(qcModel given, const btTransform& place) : model(std::move(given)), shape(model.MakeShape())
+    {
+        object.setCollisionShape(shape.get());
+        object.setWorldTransform(place);
+        swept.object = &object;
+        swept.start = swept.end = place;
+    }
+};
+
+/// A convex shape, or a compound of such, that moves by its cores.
+struct Moving
+{
+    std::unique_ptr<btCompoundShape> shape{new btCompoundShape};
+    std::vector<std::unique_ptr<btConvexShape>> parts;
+    qcConvexCores cores{qcCoreSize};
+    qcSweptObject swept;
+
+    void Add(btConvexShape* part, const btTransform& place)
+    {
+        parts.emplace_back(part);
+        shape->addChildShape(place, part);
+        swept.hulls.clear();
+        cores.ForEachCore(shape.get(),
+                          [this](const qcConvexCore& core, const btTransform& local) {
+                              swept.hulls.push_back({core.hull.get(), local});
+                          });
+    }
+};
+
+/// True if cores meet no triangle at moments of the step.
+bool MeetsNone(const Moving& moving, const Still& still)
+{
+    qcMotionOracle oracle;
+    btCollisionObject body;
+    body.setWorldTransform(moving.swept.start);
+    const qcModel cores = qcCoreModel(moving.shape.get());
+    oracle.Add(cores, &body);
+    oracle.Add(still.model, &still.object);
+    const size_t atStart = oracle.CountNow();
+    body.setWorldTransform(moving.swept.end);
+    return oracle.Count() + atStart == 0;
+}
+
+qcModel HillsModel(qcRandomNumbers* random)
+{
+    qcModel model = qcFloorModel(3, 12);
+    for (size_t i = 1; i < model.positions.size(); i += 3)
+        model.positions[i] = random->Number(0, 0.4);
+    return model;
+}
+
+qcModel SliversModel(qcRandomNumbers* random)
+{
+    qcModel model;
+    for (int i = 0; i < 40; i++)
+    {
+        const btVector3 a = random->Vector(2), b = random->Vector(2), c = b + random->Vector(i % 4 == 0 ? 0 : 0.01);
+        for (const btVector3& corner : {a, b, c})
+            model.Add(double(corner.x()), double(corner.y()), double(corner.z()));
+        const uint32_t last = uint32_t(model.positions.size() / 3 - 1);
+        model.Add(last - 2, last - 1, last);
+    }
+    return model;
+}
+
+qcModel RandomModel(qcRandomNumbers* random, int kind)
+{
+    switch (kind)
+    {
+        case 0: return HillsModel(random);
+        case 1: return SliversModel(random);
+        case 2: return qcTorusModel(1.5, 0.5, 24, 12);
+        case 3: return qcBoxModel(btVector3(1, 2, btScalar(0.01)), 1);
+        default: return qcSphereModel(1, 2);
+    }
+}
+
+void AddRandomParts(qcRandomNumbers* random, int kind, Moving* moving)
+{
+    const btScalar size = random->Number(0.1, 0.6);
+    const btTransform none = btTransform::getIdentity();
+    switch (kind)
+    {
+        case 0: moving->Add(new btSphereShape(size), none); break;
+        case 1: moving->Add(new btBoxShape(btVector3(size, size / 2, size / 8)), none); break;
+        case 2: moving->Add(new btConeShape(size, 2 * size), none); break;
+        default:
+            moving->Add(new btBoxShape(btVector3(size / 4, size, size / 4)), RandomFrame(random, 0.5));
+            moving->Add(new btSphereShape(size / 2), RandomFrame(random, 0.5));
+    }
+}
+} // namespace
+
+START_TEST(what_passes_none_meets_none)
+{
+    qcRandomNumbers random(7);
+    int clear = 0, proven = 0;
+    for (int run = 0; run < s_pathRuns; run++)
+    {
+        const btTransform place = RandomFrame(&random, s_distances[run % 4]);
+        const Still still(RandomModel(&random, run % 5), place);
+        Moving moving;
+        AddRandomParts(&random, run % 4, &moving);
+        const btTransform start = RandomFrame(&random, 2);
+        btTransform end(run % 2 == 0 ? start.getBasis() : RandomFrame(&random, 0).getBasis(), start.getOrigin());
+        end.getOrigin() += random.Vector(run % 7 == 0 ? 3 : 0.3);
+        moving.swept.start = place * start;
+        moving.swept.end = place * end;
+        const bool meetsNone = MeetsNone(moving, still), isClear = qcHasClearPath(moving.swept, still.swept);
+        ck_assert_msg(!isClear || meetsNone, "run %d", run);
+        clear += meetsNone;
+        proven += isClear;
+    }
+    // What is not proven costs more.
+    ck_assert_int_gt(clear, s_pathRuns / 3);
+    ck_assert_int_gt(10 * proven, 9 * clear);
+}
+END_TEST
+
+START_TEST(what_just_touches_is_not_clear)
+{
+    qcRandomNumbers random(8);
+    int found = 0;
+    for (int run = 0; run < s_pathRuns; run++)
+    {
+        const btTransform place = RandomFrame(&random, s_distances[run % 4]);
+        const Still still(RandomModel(&random, run % 5), place);
+        Moving moving;
+        AddRandomParts(&random, run % 4, &moving);
+        const btTransform start = place * RandomFrame(&random, 2);
+        const btVector3 motion = random.Vector(1);
+        auto move = [&](btScalar part)
+        {
+            moving.swept.start = moving.swept.end = start;
+            moving.swept.end.getOrigin() += part * motion;
+            return MeetsNone(moving, still);
+        };
+        if (!move(0) || move(1))
+            continue;
+        btScalar apart = 0, together = 1;
+        for (int i = 0; i < 20; i++)
+        {
+            const btScalar middle = (apart + together) / 2;
+            (move(middle) ? apart : together) = middle;
+        }
+        for (double further : {0.0, 1e-6, 1e-4, 1e-2})
+            ck_assert(move(together + btScalar(further)) || !qcHasClearPath(moving.swept, still.swept));
+        // A gap of 2 % of the motion is enough.
+        found += apart > btScalar(0.02) && move(apart - btScalar(0.02)) && qcHasClearPath(moving.swept, still.swept);
+    }
+    ck_assert_int_gt(found, s_pathRuns / 20);
+}
+END_TEST
+
+START_TEST(only_hulls_and_meshes_at_rest_count)
+{
+    const btTransform above(btQuaternion::getIdentity(), btVector3(0, 1, 0));
+    Still still(qcFloorModel(1, 2), btTransform::getIdentity());
+    Moving moving;
+    moving.Add(new btSphereShape(btScalar(0.5)), btTransform::getIdentity());
+    moving.swept.start = moving.swept.end = above;
+    ck_assert(qcHasClearPath(moving.swept, still.swept));
+
+    still.swept.moves = true;
+    ck_assert(!qcHasClearPath(moving.swept, still.swept));
+    still.swept.moves = false;
+    still.swept.cores = &moving.cores;
+    ck_assert(!qcHasClearPath(moving.swept, still.swept));
+    still.swept.cores = nullptr;
+    btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
+    btCompoundShape floors;
+    floors.addChildShape(btTransform::getIdentity(), still.shape.get());
+    floors.addChildShape(btTransform::getIdentity(), &plane);
+    still.object.setCollisionShape(&floors);
+    ck_assert(!qcHasClearPath(moving.swept, still.swept));
+    floors.removeChildShape(&plane);
+    ck_assert(qcHasClearPath(moving.swept, still.swept));
+    moving.swept.hulls.clear();
+    ck_assert(!qcHasClearPath(moving.swept, still.swept));
+}
+END_TEST
+
+QC_RUN_TESTS("clear paths", what_passes_none_meets_none, what_just_touches_is_not_clear,
+             only_hulls_and_meshes_at_rest_count)
