@@ -25,8 +25,9 @@ Demos:
             broadphase with Bullet's own, "bench soft" cloth, tangles and ropes with Bullet's, "bench paper" the paper's
             scenes, tables and figures (on recordings of the demos, made first where they are missing), "bench
             stability" runs of 10 000 steps, "bench piles" meshes in piles with Bullet's own shapes, "bench queries" rays
-            and sweeps, "bench fracture" a mesh that breaks with hulls, "bench ablation" the stages of manifolds, "bench
-            gpu" layers on a GL device with sweep. Tables and pictures go to out/bench/.
+            and sweeps, "bench terrain" convex bodies on hills, "bench fracture" a mesh that breaks with hulls, "bench
+            ablation" the stages of manifolds, "bench gpu" layers on a GL device with sweep. Tables and pictures go to
+            out/bench/.
             demos/gpu.sh runs the GL tests first, and packs all that for a machine with a GPU.
   report    One page with every table, plot, picture and film in out/, out/report/index.html. What is missing is run
             first, in small sizes; "report --all" runs everything afresh.

@@ -25,6 +25,8 @@ qcExitStatus qcBench_RunPaper(int argumentCount, char** arguments);
 qcExitStatus qcBench_RunBroadphase(int argumentCount, char** arguments);
 /// Rays, sweeps and boxes on qcMeshShape beside Bullet's BVH shape. Only where Bullet was found.
 qcExitStatus qcBench_RunQueries(int argumentCount, char** arguments);
+/// Convex bodies on hills of triangles beside Bullet alone. Only where Bullet was found.
+qcExitStatus qcBench_RunTerrain(int argumentCount, char** arguments);
 /// Soft bodies beside Bullet alone. Only where Bullet was found.
 qcExitStatus qcBench_RunSoft(int argumentCount, char** arguments);
 /// Fast bodies, judged within each step, beside version 0.2.0. Only where Bullet was found.

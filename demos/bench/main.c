@@ -26,6 +26,7 @@ static const Benchmark s_benchmarks[] = {
 #ifdef QC_HAS_BULLET
     {"broadphase", "qc-bench broadphase", qcBench_RunBroadphase},
     {"queries", "qc-bench queries", qcBench_RunQueries},
+    {"terrain", "qc-bench terrain", qcBench_RunTerrain},
     {"soft", "qc-bench soft", qcBench_RunSoft},
     {"through", "qc-bench through", qcBench_RunThrough},
     {"stability", "qc-bench stability", qcBench_RunStability},
@@ -87,6 +88,7 @@ static const char s_help[] =
     "  paper      the scenes, tables and figures of the paper's section 5\n"
     "  broadphase moving boxes inside Bullet, beside its own broadphases\n"
     "  queries    rays, sweeps and boxes on static meshes, beside Bullet's\n"
+    "  terrain    convex bodies on hills of triangles, beside Bullet alone\n"
     "  soft       hard scenes of cloth, tangles and ropes, beside Bullet alone\n"
     "  through    bodies thrown so fast that they could pass each other\n"
     "  stability  long runs of scenes that come to rest: energy, depth, memory\n"

@@ -73,6 +73,7 @@ demos/bench/gpu             demos/bench demos/bench/peers demos/bench/paper demo
 demos/bench/soft            demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/through         demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/piles           demos/bench demos/bench/through demos/common/... demos/common
+demos/bench/terrain         demos/bench demos/bench/through demos/common
 demos/bench/stability       demos/bench demos/bench/soft demos/bench/through demos/cloth demos/fracture demos/breaking demos/leaves demos/common/... demos/common
 demos/bench/fracture        demos/bench demos/fracture demos/common/... demos/common
 

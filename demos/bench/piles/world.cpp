@@ -68,22 +68,6 @@ qcPilesWorld::~qcPilesWorld()
     m_world.removeRigidBody(&m_ground);
 }
 
-/// Refers to the model.
-std::unique_ptr<btTriangleIndexVertexArray> qcPilesWorld::ArrayOf(const qcTriangles& model) const
-{
-    btIndexedMesh part;
-    part.m_numTriangles = int(model.indices.size() / 3);
-    part.m_triangleIndexBase = reinterpret_cast<const unsigned char*>(model.indices.data());
-    part.m_triangleIndexStride = 3 * int(sizeof(uint32_t));
-    part.m_numVertices = int(model.positions.size() / 3);
-    part.m_vertexBase = reinterpret_cast<const unsigned char*>(model.positions.data());
-    part.m_vertexStride = 3 * int(sizeof(btScalar));
-    part.m_vertexType = sizeof(btScalar) == sizeof(double) ? PHY_DOUBLE : PHY_FLOAT;
-    std::unique_ptr<btTriangleIndexVertexArray> array(new btTriangleIndexVertexArray);
-    array->addIndexedMesh(part, PHY_INTEGER);
-    return array;
-}
-
 std::unique_ptr<btCollisionShape> qcPilesWorld::MakeShape(const qcTriangles& model, qcPilesContestant contestant)
 {
     std::unique_ptr<btCollisionShape> shape;
@@ -91,7 +75,7 @@ std::unique_ptr<btCollisionShape> qcPilesWorld::MakeShape(const qcTriangles& mod
         shape = model.MakeShape();
     else if (contestant == qcPilesContestant::gimpact)
     {
-        m_arrays.push_back(ArrayOf(model));
+        m_arrays.push_back(model.MakeArray());
         shape.reset(new btGImpactMeshShape(m_arrays.back().get()));
     }
     else
@@ -112,7 +96,7 @@ std::unique_ptr<btCollisionShape> qcPilesWorld::MakeShape(const qcTriangles& mod
 void qcPilesWorld::AddBin(btScalar half)
 {
     m_binTriangles = qcMakeBin(half, 3, 4);
-    m_arrays.push_back(ArrayOf(m_binTriangles));
+    m_arrays.push_back(m_binTriangles.MakeArray());
     m_binShape.reset(new btBvhTriangleMeshShape(m_arrays.back().get(), true));
     m_binShape->setMargin(margin);
     m_bin.reset(new btRigidBody(0, nullptr, m_binShape.get()));

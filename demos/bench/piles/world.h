@@ -7,7 +7,6 @@
 #include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
 #include <BulletCollision/CollisionShapes/btBvhTriangleMeshShape.h>
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
-#include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
 
@@ -69,7 +68,6 @@ class qcPilesWorld
 
   private:
     std::unique_ptr<btCollisionShape> MakeShape(const qcTriangles& model, qcPilesContestant contestant);
-    std::unique_ptr<btTriangleIndexVertexArray> ArrayOf(const qcTriangles& model) const;
     void AddBin(btScalar half);
 
     btDefaultCollisionConfiguration m_configuration;

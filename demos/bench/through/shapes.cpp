@@ -27,6 +27,21 @@ std::unique_ptr<qcMeshShape> qcTriangles::MakeShape() const
                                                         uint32_t(indices.size() / 3)));
 }
 
+std::unique_ptr<btTriangleIndexVertexArray> qcTriangles::MakeArray() const
+{
+    btIndexedMesh part;
+    part.m_numTriangles = int(indices.size() / 3);
+    part.m_triangleIndexBase = reinterpret_cast<const unsigned char*>(indices.data());
+    part.m_triangleIndexStride = 3 * int(sizeof(uint32_t));
+    part.m_numVertices = int(positions.size() / 3);
+    part.m_vertexBase = reinterpret_cast<const unsigned char*>(positions.data());
+    part.m_vertexStride = 3 * int(sizeof(btScalar));
+    part.m_vertexType = sizeof(btScalar) == sizeof(double) ? PHY_DOUBLE : PHY_FLOAT;
+    std::unique_ptr<btTriangleIndexVertexArray> array(new btTriangleIndexVertexArray);
+    array->addIndexedMesh(part, PHY_INTEGER);
+    return array;
+}
+
 namespace
 {
 /// Adds a grid of `n` by `m` cells, from `corner` along two sides.

@@ -4,6 +4,8 @@
 
 #include "quickcullide/bullet.h"
 
+#include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
+
 #include <memory>
 #include <vector>
 
@@ -15,6 +17,8 @@ struct qcTriangles
     uint32_t Add(const btVector3& p);
     void Add(uint32_t a, uint32_t b, uint32_t c);
     std::unique_ptr<qcMeshShape> MakeShape() const;
+    /// For Bullet's own shapes; refers to these triangles.
+    std::unique_ptr<btTriangleIndexVertexArray> MakeArray() const;
 };
 
 /// A horizontal square, seen from above; `waves`: height of bumps; `cells` along an edge, of two triangles each.
