@@ -8,6 +8,10 @@
 #include <cstdint>
 #include <cstring>
 
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 typedef btScalar qcLanes __attribute__((vector_size(16)));
 constexpr size_t qcLaneCount = sizeof(qcLanes) / sizeof(btScalar);
 
@@ -27,6 +31,22 @@ template <typename Comparison> bool qcIsAny(const Comparison& comparison)
     for (uint64_t word : words)
         any |= word;
     return any != 0;
+}
+
+/// A bit for each lane in which a comparison holds, the first one lowest.
+template <typename Comparison> unsigned qcBitsOf(const Comparison& comparison)
+{
+    static_assert(sizeof(Comparison) == sizeof(qcLanes), "a comparison of lanes");
+#ifdef __SSE2__
+    if (sizeof(btScalar) == sizeof(float))
+        return unsigned(_mm_movemask_ps(__m128(comparison)));
+    return unsigned(_mm_movemask_pd(__m128d(comparison)));
+#else
+    unsigned bits = 0;
+    for (size_t i = 0; i < qcLaneCount; i++)
+        bits |= unsigned(comparison[i] != 0) << i;
+    return bits;
+#endif
 }
 
 #endif

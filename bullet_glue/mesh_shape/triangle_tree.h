@@ -3,12 +3,14 @@
 #ifndef QC_GLUE_MESH_SHAPE_TRIANGLE_TREE_H
 #define QC_GLUE_MESH_SHAPE_TRIANGLE_TREE_H
 
+#include "common/lanes.h"
+
 #include <LinearMath/btVector3.h>
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <limits>
-#include <type_traits>
 #include <vector>
 
 class qcMeshTree
@@ -20,13 +22,14 @@ class qcMeshTree
     /// Calls visit(triangle) for each triangle whose box overlaps the closed box.
     template <class Visit> void VisitBox(const btVector3& lower, const btVector3& upper, Visit visit) const
     {
-        auto overlaps = [&](const Block& block, Lane* hit)
+        auto overlaps = [&](const Block& block, size_t first)
         {
-            // Bitwise, without branches: a few vector instructions.
-            for (int i = 0; i < s_width; i++)
-                hit[i] = Lane(block.lower[0][i] <= upper.x()) & Lane(block.upper[0][i] >= lower.x()) &
-                         Lane(block.lower[1][i] <= upper.y()) & Lane(block.upper[1][i] >= lower.y()) &
-                         Lane(block.lower[2][i] <= upper.z()) & Lane(block.upper[2][i] >= lower.z());
+            auto meet = [&](size_t axis)
+            {
+                return (qcLoadLanes(block.lower[axis] + first) <= upper[int(axis)]) &
+                       (qcLoadLanes(block.upper[axis] + first) >= lower[int(axis)]);
+            };
+            return meet(0) & meet(1) & meet(2);
         };
         Walk(overlaps, visit);
     }
@@ -34,15 +37,12 @@ class qcMeshTree
     /// Calls visit(triangle) for each triangle whose box has a point below the plane normal . x = distance.
     template <class Visit> void VisitBelow(const btVector3& normal, btScalar distance, Visit visit) const
     {
-        auto isBelow = [&](const Block& block, Lane* hit)
+        auto isBelow = [&](const Block& block, size_t first)
         {
-            const btScalar* lowest[3];
-            for (int axis = 0; axis < 3; axis++)
-                lowest[axis] = normal[axis] >= 0 ? block.lower[axis] : block.upper[axis];
-            for (int i = 0; i < s_width; i++)
-                hit[i] =
-                    Lane(block.lower[0][i] <= block.upper[0][i]) &
-                    Lane(normal.x() * lowest[0][i] + normal.y() * lowest[1][i] + normal.z() * lowest[2][i] <= distance);
+            auto lowest = [&](int axis)
+            { return qcLoadLanes((normal[axis] >= 0 ? block.lower[axis] : block.upper[axis]) + first) * normal[axis]; };
+            return (qcLoadLanes(block.lower[0] + first) <= qcLoadLanes(block.upper[0] + first)) &
+                   (lowest(0) + lowest(1) + lowest(2) <= distance);
         };
         Walk(isBelow, visit);
     }
@@ -65,9 +65,6 @@ class qcMeshTree
 
   private:
     static constexpr int s_width = 8;
-    /// The result type of a vectorized comparison of coordinates: an integer of their size.
-    typedef std::conditional_t<sizeof(btScalar) == 8, int64_t, int32_t> Lane;
-
     /// Boxes of up to eight triangles or blocks. Unused ones are inverted: nothing hits them.
     struct Block
     {
@@ -109,9 +106,9 @@ class qcMeshTree
 
     /// The boxes of a block, a bit each, that the sweep enters before `fraction` of its way. `near` receives where.
     static unsigned EnteredBoxes(const Block& block, const Slabs& slabs, btScalar fraction, btScalar near[s_width]);
-    static unsigned BitsOf(const Lane hit[s_width]);
 
-    /// test(block, hit) sets a flag for each box of a block whose contents are visited.
+    /// test(block, first) compares boxes from `first` on, as many as a vector has lanes: true for those whose contents
+    /// are visited.
     template <class Test, class Visit> void Walk(Test test, Visit visit) const
     {
         if (m_levels.empty())
@@ -122,13 +119,13 @@ class qcMeshTree
         while (depth > 0)
         {
             Item item = stack[--depth];
-            Lane hit[s_width];
-            test(GetBlock(item), hit);
-            for (int i = 0; i < s_width; i++)
+            const Block& block = GetBlock(item);
+            unsigned boxes = 0;
+            for (size_t first = 0; first < s_width; first += qcLaneCount)
+                boxes |= qcBitsOf(test(block, first)) << first;
+            for (; boxes != 0; boxes &= boxes - 1)
             {
-                if (hit[i] == 0)
-                    continue;
-                uint32_t child = item.block * s_width + uint32_t(i);
+                uint32_t child = item.block * s_width + uint32_t(__builtin_ctz(boxes));
                 if (item.level == 0)
                     visit(m_order[child]);
                 else
@@ -165,42 +162,27 @@ inline qcMeshTree::Slabs::Slabs(const Sweep& sweep)
     }
 }
 
-inline unsigned qcMeshTree::BitsOf(const Lane hit[s_width])
-{
-    unsigned bits = 0;
-    for (int i = 0; i < s_width; i++)
-        bits |= unsigned(hit[i] != 0) << i;
-    return bits;
-}
-
 inline unsigned qcMeshTree::EnteredBoxes(const Block& block, const Slabs& slabs, btScalar fraction,
                                          btScalar near[s_width])
 {
-    btScalar far[s_width];
-    for (int i = 0; i < s_width; i++)
+    unsigned boxes = 0;
+    for (size_t i = 0; i < s_width; i += qcLaneCount)
     {
-        near[i] = 0;
-        far[i] = fraction;
-    }
-    for (int axis = 0; axis < 3; axis++)
-    {
-        const btScalar *lower = block.lower[axis], *upper = block.upper[axis];
-        const btScalar* first = slabs.backward[axis] ? upper : lower;
-        const btScalar* last = slabs.backward[axis] ? lower : upper;
-        btScalar entry = slabs.entry[axis], exit = slabs.exit[axis], perWay = slabs.perWay[axis],
-                 slack = slabs.slack[axis];
-        for (int i = 0; i < s_width; i++)
+        qcLanes from{}, to = qcLanes{} + fraction;
+        for (int axis = 0; axis < 3; axis++)
         {
-            btScalar wider = (upper[i] - lower[i]) * slack;
-            btScalar enter = (first[i] - entry) * perWay - wider, leave = (last[i] - exit) * perWay + wider;
-            near[i] = enter > near[i] ? enter : near[i];
-            far[i] = leave < far[i] ? leave : far[i];
+            const qcLanes lower = qcLoadLanes(block.lower[axis] + i), upper = qcLoadLanes(block.upper[axis] + i);
+            const bool backward = slabs.backward[axis];
+            const qcLanes wider = (upper - lower) * slabs.slack[axis];
+            const qcLanes enter = ((backward ? upper : lower) - slabs.entry[axis]) * slabs.perWay[axis] - wider,
+                          leave = ((backward ? lower : upper) - slabs.exit[axis]) * slabs.perWay[axis] + wider;
+            from = enter > from ? enter : from;
+            to = leave < to ? leave : to;
         }
+        std::memcpy(near + i, &from, sizeof from);
+        boxes |= qcBitsOf((from <= to) & (qcLoadLanes(block.lower[0] + i) <= qcLoadLanes(block.upper[0] + i))) << i;
     }
-    Lane hit[s_width];
-    for (int i = 0; i < s_width; i++)
-        hit[i] = Lane(near[i] <= far[i]) & Lane(block.lower[0][i] <= block.upper[0][i]);
-    return BitsOf(hit);
+    return boxes;
 }
 
 template <class Visit> void qcMeshTree::VisitSweep(const Sweep& sweep, const btScalar& fraction, Visit visit) const
