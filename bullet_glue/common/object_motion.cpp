@@ -59,3 +59,19 @@ bool qcIsMotion(const btCollisionObject* object, const btTransform& from, const 
     btScalar steps = std::round(moved.dot(step) / step.length2());
     return steps >= 1 && steps <= s_maxSteps && (moved - step * steps).length() <= half;
 }
+
+bool qcIsIntegrated(const btRigidBody& body, const btTransform& from, const btTransform& to, btScalar timeStep)
+{
+    const btScalar half = qcHalfSize(body.getCollisionShape());
+    if (qcMaxDisplacement(body.getCollisionShape(), from, to) <= half)
+        return true;
+    const btVector3 moved = to.getOrigin() - from.getOrigin();
+    auto isAlong = [&](const btVector3& velocity)
+    {
+        const btVector3 motion = velocity * timeStep;
+        const btScalar length2 = motion.length2();
+        const btScalar part = length2 > 0 ? btClamped(moved.dot(motion) / length2, btScalar(0), btScalar(1)) : 0;
+        return moved.distance(motion * part) <= half;
+    };
+    return isAlong(body.getLinearVelocity()) || isAlong(body.getInterpolationLinearVelocity());
+}

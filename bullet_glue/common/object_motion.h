@@ -5,6 +5,8 @@
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletCollision/CollisionShapes/btCollisionShape.h>
 
+class btRigidBody;
+
 /// True if the object's transform and velocities are finite.
 bool qcIsFinite(const btCollisionObject& object);
 
@@ -21,5 +23,10 @@ btScalar qcMaxDisplacement(const btCollisionShape* shape, const btTransform& fro
 /// transform, too. Any other object has the velocity of its previous motion, `previous`, a step.
 bool qcIsMotion(const btCollisionObject* object, const btTransform& from, const btTransform& to,
                 const btVector3& previous, btScalar timeStep);
+
+/// True if the body has moved from one transform to another as Bullet integrates it in a step; false if a callback of
+/// the application has put it elsewhere meanwhile. Bullet moves it by a part of what one of its velocities makes:
+/// contact changes them, and continuous collision stops it on its way. Half its size is left to all else.
+bool qcIsIntegrated(const btRigidBody& body, const btTransform& from, const btTransform& to, btScalar timeStep);
 
 #endif

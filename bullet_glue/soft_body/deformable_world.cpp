@@ -70,6 +70,8 @@ void qcDeformableWorld::internalSingleStepSimulation(btScalar timeStep)
 void qcDeformableWorld::integrateTransforms(btScalar timeStep)
 {
     Implementation& my = *m_implementation;
+    // Bullet calls the tick and solver callbacks around the solver.
+    my.scene.ReadBegin(getSoftBodyArray());
     my.ReadStart(getSoftBodyArray(), &btSoftBody::Node::m_x);
     // A body that falls asleep in this step has the velocity of gravity, and Bullet would still move it.
     for (int i = 0; i < getSoftBodyArray().size(); i++)

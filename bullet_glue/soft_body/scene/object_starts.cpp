@@ -51,6 +51,9 @@ void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep)
         bool isNear = qcMaxDisplacement(shape, state.end, state.begin) <= qcHalfSize(shape) ||
                       (IsLink(object) && qcIsMotion(object, state.end, state.begin, state.motion, timeStep));
         state.start = isNear ? state.end : state.begin;
+        const btRigidBody* body = btRigidBody::upcast(object);
+        if (body != nullptr && !qcIsIntegrated(*body, state.begin, now, timeStep))
+            state.start = now;
     }
     else
         state.start = qcIsMotion(object, state.end, now, state.motion, timeStep) ? state.end : now;
@@ -78,6 +81,11 @@ void qcObjectStarts::Begin(const std::set<btBroadphaseInterface*>& broadphases, 
                         if (isNew)
                             found->second.end = found->second.begin;
                     });
+}
+
+void qcObjectStarts::ReadBegin(const std::set<btBroadphaseInterface*>& broadphases)
+{
+    Begin(broadphases, [](const btCollisionObject*) {});
 }
 
 void qcObjectStarts::Read(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep)

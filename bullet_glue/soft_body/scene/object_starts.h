@@ -20,6 +20,8 @@ class qcObjectStarts
     /// The step starts: reads where the application has left the bodies that Bullet moves. Calls function(object) for
     /// each object. O(objects).
     void Begin(const std::set<btBroadphaseInterface*>& broadphases, const ObjectFunction& function);
+    /// Reads again where the application has left these bodies, after its callbacks within the step.
+    void ReadBegin(const std::set<btBroadphaseInterface*>& broadphases);
     /// Reads the objects of the step, after Bullet has moved them, but those that are not finite. Objects that have
     /// left the broadphases are forgotten. O(objects).
     void Read(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep);

@@ -20,6 +20,11 @@ class qcSoftBodyMeshes
   public:
     /// The step starts: Bullet has moved nothing yet.
     void BeginStep(const std::set<btBroadphaseInterface*>& broadphases);
+    /// Callbacks of the application have run since; Bullet has moved nothing yet.
+    void ReadBegin(const std::set<btBroadphaseInterface*>& broadphases)
+    {
+        m_starts.ReadBegin(broadphases);
+    }
     /// Calls function(lower, upper) for the motion of each object that Bullet does not move and others respond to,
     /// where the application has moved it or its triangles since the previous step. O(objects * objects near soft
     /// bodies).

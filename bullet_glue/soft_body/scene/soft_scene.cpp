@@ -26,6 +26,15 @@ bool IsFinite(const btSoftBody* body, btVector3 btSoftBody::Node::*start)
             return false;
     return true;
 }
+
+std::set<btBroadphaseInterface*> BroadphasesOf(const btAlignedObjectArray<btSoftBody*>& bodies)
+{
+    std::set<btBroadphaseInterface*> broadphases;
+    for (int i = 0; i < bodies.size(); i++)
+        if (bodies[i]->getWorldInfo()->m_broadphase != nullptr)
+            broadphases.insert(bodies[i]->getWorldInfo()->m_broadphase);
+    return broadphases;
+}
 } // namespace
 
 qcSoftBodyScene::qcSoftBodyScene(qcDevice* device) : m_device(device)
@@ -179,12 +188,14 @@ void qcSoftBodyScene::LimitThickness(const std::function<bool(uint32_t)>& isTang
 
 void qcSoftBodyScene::BeginStep(const btAlignedObjectArray<btSoftBody*>& bodies)
 {
-    std::set<btBroadphaseInterface*> broadphases;
-    for (int i = 0; i < bodies.size(); i++)
-        if (bodies[i]->getWorldInfo()->m_broadphase != nullptr)
-            broadphases.insert(bodies[i]->getWorldInfo()->m_broadphase);
+    const std::set<btBroadphaseInterface*> broadphases = BroadphasesOf(bodies);
     meshes.BeginStep(broadphases);
     WakeSwept(bodies, broadphases);
+}
+
+void qcSoftBodyScene::ReadBegin(const btAlignedObjectArray<btSoftBody*>& bodies)
+{
+    meshes.ReadBegin(BroadphasesOf(bodies));
 }
 
 /// Wakes soft bodies near objects that the application moves. Bullet lets such objects run through those that sleep.

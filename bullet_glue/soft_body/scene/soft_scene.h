@@ -23,6 +23,8 @@ class qcSoftBodyScene
 
     /// The step starts: Bullet has moved nothing yet.
     void BeginStep(const btAlignedObjectArray<btSoftBody*>& bodies);
+    /// Callbacks of the application have run since BeginStep; Bullet has moved nothing yet.
+    void ReadBegin(const btAlignedObjectArray<btSoftBody*>& bodies);
     /// Makes the scene's soft bodies those of the array that are finite, and reads their positions at the start of the
     /// step from this member of their nodes.
     qcStatus Sync(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start);

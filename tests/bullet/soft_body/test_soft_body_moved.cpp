@@ -1,8 +1,10 @@
 // Objects that the application moves between steps, of all kinds, take a cloth along and never jump past it; what it
 // puts elsewhere leaves the cloth alone.
+#include "bullet/soft_body/deformable_test_world.h"
 #include "bullet/soft_body/soft_world.h"
 
 #include <BulletCollision/CollisionDispatch/btGhostObject.h>
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletSoftBody/btSoftBodyHelpers.h>
 #include <LinearMath/btDefaultMotionState.h>
 
@@ -204,6 +206,67 @@ START_TEST(a_body_that_the_pre_tick_callback_puts_elsewhere_sweeps_over_nothing)
 }
 END_TEST
 
+START_TEST(a_body_that_the_tick_callback_puts_elsewhere_sweeps_over_nothing)
+{
+    MovedWorld world(MovedStatic, PlateModel(), 5);
+    btRigidBody* ball = world.AddMesh(qcSphereModel(0.1, 2), 1, btVector3(0, 1, 0));
+    world.Step();
+    // Bullet calls it before soft bodies make contact.
+    world.world.setInternalTickCallback(PutBelow, ball);
+    world.Step();
+    ck_assert_double_eq_tol(double(world.Height()), 0, 1e-3);
+    ck_assert_double_eq_tol(double(ball->getWorldTransform().getOrigin().y()), -1, 1e-3);
+}
+END_TEST
+
+/// What a callback of the deformable world puts below the cloth, once, and the velocity that it gets.
+static btRigidBody* s_putBody;
+static btVector3 s_putVelocity;
+
+static void PutOnce(btScalar, btDeformableMultiBodyDynamicsWorld*)
+{
+    if (s_putBody == nullptr)
+        return;
+    s_putBody->setCenterOfMassTransform(At(-1));
+    s_putBody->setLinearVelocity(s_putVelocity);
+    s_putBody = nullptr;
+}
+
+START_TEST(a_body_that_the_solver_callback_puts_elsewhere_moves_from_there)
+{
+    // At rest, and so fast that it passes the cloth from its new place in the same step.
+    for (btScalar speed : {btScalar(0), btScalar(120)})
+    {
+        qcDeformableTestWorld<qcDeformableWorld> world;
+        world.world->setGravity(btVector3(0, 0, 0));
+        btSoftBody* cloth =
+            btSoftBodyHelpers::CreatePatch(world.world->getWorldInfo(), btVector3(-1, 0, -1), btVector3(1, 0, -1),
+                                           btVector3(-1, 0, 1), btVector3(1, 0, 1), 21, 21, 0, true);
+        cloth->setTotalMass(1);
+        world.world->addSoftBody(cloth);
+        world.cloths.push_back(cloth);
+        btSphereShape shape(btScalar(0.1));
+        btRigidBody ball(1, nullptr, &shape, btVector3(btScalar(0.004), btScalar(0.004), btScalar(0.004)));
+        ball.setWorldTransform(At(1));
+        world.world->addRigidBody(&ball);
+        world.world->stepSimulation(s_movedStep, 0);
+        s_putBody = &ball;
+        s_putVelocity = btVector3(0, speed, 0);
+        world.world->setSolverCallback(PutOnce);
+        world.world->stepSimulation(s_movedStep, 0);
+        const btScalar height = cloth->m_nodes[21 * 10 + 10].m_x.y();
+        if (speed > 0)
+        {
+            ck_assert_double_gt(double(height), 0.1);
+            ck_assert_double_lt(double(ball.getWorldTransform().getOrigin().y()), double(height));
+        }
+        else
+            ck_assert_double_eq_tol(double(height), 0, 1e-3);
+        world.world->removeRigidBody(&ball);
+    }
+}
+END_TEST
+
 START_TEST(a_cloth_at_rest_that_the_application_moves_stays_at_rest)
 {
     qcSoftWorld world;
@@ -274,6 +337,8 @@ QC_TEST_MAIN()
     tcase_add_loop_test(tests, a_ball_that_moves_by_more_than_its_size_is_no_less_in_motion, 0, KindCount);
     tcase_add_loop_test(tests, an_object_that_is_put_elsewhere_sweeps_over_nothing, 0, KindCount);
     tcase_add_test(tests, a_body_that_the_pre_tick_callback_puts_elsewhere_sweeps_over_nothing);
+    tcase_add_test(tests, a_body_that_the_tick_callback_puts_elsewhere_sweeps_over_nothing);
+    tcase_add_test(tests, a_body_that_the_solver_callback_puts_elsewhere_moves_from_there);
     tcase_add_test(tests, a_cloth_at_rest_that_the_application_moves_stays_at_rest);
     tcase_add_test(tests, a_body_that_the_tick_callback_removes_holds_nothing);
     suite_add_tcase(suite, tests);
