@@ -337,6 +337,8 @@ qcStatus qcBvhCandidates_Run(const qcBvhCandidatesJob* job, qcBvhCandidates* swe
         if (FindsSelfPairs(&run, body) || job->neighboursOnly[body])
             QC_TRY(FindFlatPatches(&run, body, profile));
     QC_TRY(FindPairs(&run));
+    // A list that a failure has cut short must not serve later steps.
+    QC_TRY(qcWorkerResults_End(&sweep->buffers, sizeof(qcPairBuffer)));
     if (run.fillsVerlet)
         QC_TRY(EndVerlet(&run));
     for (uint32_t body = 0; body < t->bodyCount; body++)

@@ -281,9 +281,30 @@ START_TEST(a_body_that_slept_while_the_list_was_filled_is_fitted)
 }
 END_TEST
 
+START_TEST(a_list_that_a_failure_has_cut_short_serves_no_step)
+{
+    static const uint64_t limits[] = {1, 100, 1000};
+    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; i++)
+    {
+        qcScene* scene = qcMakeScene(NULL);
+        Cloth cloth = AddCloth(scene, 3, 0.0, 0.0);
+        qcDetectDef wide = qcDefaultDetectDef(), def = qcDefaultDetectDef();
+        wide.method = qc_methodSweep;
+        wide.margin = 0.05;
+        wide.maxPairs = limits[i];
+        const qcResult* result;
+        ck_assert_int_eq(qcScene_Detect(scene, &wide, &result), qc_statusTooManyPairs);
+        qcProfile profile;
+        ck_assert_uint_gt(Check(scene, def, 1, &profile), 10);
+        FreeCloth(&cloth);
+        qcScene_Destroy(scene);
+    }
+}
+END_TEST
+
 QC_RUN_TESTS("verlet_list", small_motion_is_refitted_partially, large_motion_loses_no_pair,
              a_list_serves_smaller_margins, partially_refitted_bodies_have_pairs_at_their_current_positions,
              no_pair_is_lost_far_from_the_origin_where_margins_are_rounded,
              a_body_is_fitted_anew_if_much_of_it_moved_or_left_its_box,
              a_step_that_needs_more_than_the_list_searches_anew, a_list_ends_with_its_body,
-             a_body_that_slept_while_the_list_was_filled_is_fitted)
+             a_body_that_slept_while_the_list_was_filled_is_fitted, a_list_that_a_failure_has_cut_short_serves_no_step)
