@@ -37,14 +37,25 @@ qcStatus qcScene_Create(const qcSceneDef* def, qcScene** scene)
     return qc_statusOk;
 }
 
+/// All positions in double, in the default floating-point environment.
+__attribute__((noinline)) static qcStatus CompletePositions(qcScene* scene)
+{
+    uint64_t bytes = 0;
+    return qcVertexBuffers_CompleteAll(&scene->bodies, &bytes);
+}
+
 qcStatus qcScene_Record(qcScene* scene, const char* path)
 {
     QC_TRY(qcScene_CheckIdle(scene, "qcScene_Record"));
-    uint64_t bytes = 0;
     qcStatus status = qcSceneRecorder_Close(scene->recorder);
     scene->recorder = NULL;
     if (path != NULL)
-        QC_TRY(qcVertexBuffers_CompleteAll(&scene->bodies, &bytes));
+    {
+        qcFloatMode mode = qcFloatMode_Begin();
+        qcStatus completed = CompletePositions(scene);
+        qcFloatMode_End(mode);
+        QC_TRY(completed);
+    }
     return path == NULL ? status : qcSceneRecorder_Open(path, scene->device, &scene->bodies, &scene->recorder);
 }
 
@@ -203,12 +214,19 @@ qcStatus qcScene_SetSelfCollision(qcScene* scene, qcBodyId id, bool selfCollisio
     return qc_statusOk;
 }
 
+__attribute__((noinline)) static qcStatus MarkStart(qcScene* scene)
+{
+    QC_TRY(CompletePositions(scene));
+    return qcBodies_MarkStart(&scene->bodies);
+}
+
 qcStatus qcScene_MarkStart(qcScene* scene)
 {
-    uint64_t bytes = 0;
     QC_TRY(qcScene_CheckIdle(scene, "qcScene_MarkStart"));
-    QC_TRY(qcVertexBuffers_CompleteAll(&scene->bodies, &bytes));
-    QC_TRY(qcBodies_MarkStart(&scene->bodies));
+    qcFloatMode mode = qcFloatMode_Begin();
+    qcStatus status = MarkStart(scene);
+    qcFloatMode_End(mode);
+    QC_TRY(status);
     if (scene->recorder != NULL)
         qcSceneRecorder_MarkStart(scene->recorder);
     return qc_statusOk;

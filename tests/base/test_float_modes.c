@@ -245,10 +245,15 @@ static const qcResult* Detect(const Mode* mode, const Question* question, qcDevi
     }
     if (status == qc_statusOk)
         status = qcScene_SetTransform(*scene, ids[1], &transform);
-    if (status == qc_statusOk)
+    // From the second time on floats are kept as they are; the start of a motion converts them.
+    for (int i = 0; i < 3 && status == qc_statusOk; i++)
+    {
         status = qcScene_SetVertices(*scene, ids[0], bodies.positions[0], type, 0);
-    if (status == qc_statusOk)
-        status = qcScene_Detect(*scene, &def, &result);
+        if (status == qc_statusOk && i == 2)
+            status = qcScene_MarkStart(*scene);
+        if (status == qc_statusOk)
+            status = qcScene_Detect(*scene, &def, &result);
+    }
     Leave(mode);
     CHECK_OK(status);
     FreeBodies(&bodies);
