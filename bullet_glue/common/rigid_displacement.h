@@ -50,12 +50,14 @@ inline bool qcIsFree(const btRigidBody& body)
            body.getAngularFactor() == all;
 }
 
-/// True if the displacement by a push on a guided object leads elsewhere: the object would have to move more than 20
-/// times as far as it gives way. Such an object stays. Without a bound a body beside a leaning wall jumped by metres in
-/// a step (test_mesh_through), and positions beside cloth became infinite (test_soft_multibody).
-inline bool qcIsLedElsewhere(const btVector3& displacement, const btVector3& push)
+/// The least part of a guided object's motion by which it gives way to a push.
+constexpr btScalar qcMinAlongGuide = btScalar(0.05);
+
+/// True if the displacement by a push on a guided object leads elsewhere: less than this part of it is along the push.
+/// Such an object stays. Without a bound a body beside a leaning wall jumped by metres in a step (test_mesh_through),
+/// and positions beside cloth became infinite (test_soft_multibody).
+inline bool qcIsLedElsewhere(const btVector3& displacement, const btVector3& push, btScalar minAlong = qcMinAlongGuide)
 {
-    const btScalar minAlong = btScalar(0.05);
     return !(displacement.dot(push) > minAlong * displacement.length() * push.length());
 }
 

@@ -23,8 +23,9 @@ btConvexHullComputer HullOf(const btConvexShape* shape)
         hull.compute(&points[0].x(), sizeof(btVector3), int(points.size()), 0, 0);
     return hull;
 }
+} // namespace
 
-qcConvexCore MakeCore(const btConvexShape* shape, btScalar size)
+qcConvexCore qcConvexCores::MakeCore(const btConvexShape* shape, btScalar size)
 {
     qcConvexCore core;
     const btConvexHullComputer hull = HullOf(shape);
@@ -52,10 +53,9 @@ qcConvexCore MakeCore(const btConvexShape* shape, btScalar size)
     core.mesh.reset(new qcMeshShape(points.data(), qcBulletPositions, sizeof(btVector3), uint32_t(points.size()),
                                     indices.data(), uint32_t(indices.size() / 3)));
     core.mesh->setMargin(0);
-    core.hull.reset(new qcSupportMesh(core.mesh.get()));
+    core.hull = core.mesh->GetSupport();
     return core;
 }
-} // namespace
 
 void qcConvexCores::BeginStep()
 {

@@ -21,7 +21,7 @@ constexpr btScalar qcInnerCoreSize = btScalar(0.4);
 struct qcConvexCore
 {
     std::unique_ptr<qcMeshShape> mesh; ///< null: the shape is flat, empty or not finite
-    std::unique_ptr<qcSupportMesh> hull;
+    std::shared_ptr<const qcSupportMesh> hull;
     btScalar halfWidth = 0; ///< least distance of the mesh's faces from its centre
 };
 
@@ -59,6 +59,8 @@ class qcConvexCores
         uint64_t step = 0; ///< the last one that used it
         qcConvexCore core;
     };
+
+    static qcConvexCore MakeCore(const btConvexShape* shape, btScalar size);
 
     const btScalar m_size;
     std::unordered_map<const btConvexShape*, Entry> m_entries;

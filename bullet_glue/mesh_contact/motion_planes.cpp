@@ -9,6 +9,8 @@ namespace
 {
 // Relative gap that certificates of motion need.
 constexpr btScalar s_certifiable = btScalar(1e-13);
+// A body on a floor gives way to a push by at least this part of its motion along the floor, or not at all.
+constexpr btScalar s_minAlongFloor = btScalar(0.5);
 // Relative rounding of a stored corner: of the transform's rotation, the product and the sum.
 constexpr btScalar s_rounding = 16 * SIMD_EPSILON;
 
@@ -66,7 +68,10 @@ struct Yield
             {
                 angular.setZero();
                 linear -= floor.normal * std::min(linear.dot(floor.normal), btScalar(0));
-                along = std::max(direction.dot(linear), btScalar(0));
+                // Pushed nearly straight into the floor it would slide away by metres.
+                if (qcIsLedElsewhere(linear, direction, s_minAlongFloor))
+                    linear.setZero();
+                along = direction.dot(linear);
             }
     }
 };

@@ -19,6 +19,7 @@
 class btIDebugDraw;
 class btStridingMeshInterface;
 class qcAxisCache;
+class qcConvexCores;
 class qcSupportMesh;
 
 /// Mass properties of a mesh of homogeneous material.
@@ -133,6 +134,7 @@ ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
 
   private:
     friend qcAxisCache;
+    friend qcConvexCores;
     struct Implementation;
 
     /// What contact needs of a small mesh, built with the shape; null if the mesh is not small. Thread-safe.

@@ -318,6 +318,35 @@ START_TEST(what_a_kinematic_mesh_crushes_is_counted)
 }
 END_TEST
 
+START_TEST(what_is_pressed_on_a_plane_slides_away_no_further_than_it_is_pushed)
+{
+    for (btScalar tilt : {btScalar(1e-4), btScalar(1e-3), btScalar(0.01), btScalar(0.1)})
+        for (btScalar speed : {btScalar(1), btScalar(5)})
+        {
+            qcMeshWorld world;
+            qcAddFloor(world, qc_floorPlane);
+            btRigidBody* box =
+                world.Add(world.Keep(qcBoxModel(btVector3(1, 1, 1) / 2, 1).MakeShape()), 1,
+                          btTransform(btQuaternion(btVector3(0, 1, 0), btScalar(0.3)), btVector3(0, btScalar(0.5), 0)));
+            box->setActivationState(DISABLE_DEACTIVATION);
+            btTransform place(btQuaternion(btVector3(0, 0, 1), tilt), btVector3(0, btScalar(1.2), 0));
+            btRigidBody* plate =
+                world.Add(world.Keep(qcBoxModel(btVector3(1, btScalar(0.1), 1), 1).MakeShape()), 0, place);
+            plate->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+            plate->setActivationState(DISABLE_DEACTIVATION);
+            while (place.getOrigin().y() > btScalar(0.9))
+            {
+                place.getOrigin() -= btVector3(0, speed * qcStep, 0);
+                plate->setWorldTransform(place);
+                const btVector3 before = box->getWorldTransform().getOrigin();
+                world.Step();
+                const btScalar moved = before.distance(box->getWorldTransform().getOrigin());
+                ck_assert_double_lt(double(moved), double(btScalar(2.5) * speed * qcStep));
+            }
+        }
+}
+END_TEST
+
 START_TEST(a_kinematic_mesh_that_is_put_elsewhere_sweeps_over_nothing)
 {
     qcModel sheet = SheetModel();
@@ -511,6 +540,7 @@ QC_TEST_MAIN()
     tcase_add_test(tests, a_body_that_its_factors_guide_stops_where_a_wall_comes_close);
     tcase_add_test(tests, a_kinematic_sheet_takes_along_what_it_sweeps_over);
     tcase_add_test(tests, what_a_kinematic_mesh_crushes_is_counted);
+    tcase_add_test(tests, what_is_pressed_on_a_plane_slides_away_no_further_than_it_is_pushed);
     tcase_add_test(tests, a_kinematic_mesh_that_is_put_elsewhere_sweeps_over_nothing);
     tcase_add_test(tests, a_dynamic_body_that_the_application_moves_is_not_held_back);
     tcase_add_test(tests, a_new_body_does_not_pass_a_mesh_in_its_first_step);
