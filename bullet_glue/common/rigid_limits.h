@@ -23,6 +23,8 @@ class qcRigidLimits
     /// the objects that it moves to `moved`.
     virtual void LimitAgain(btScalar timeStep, const std::vector<const btCollisionObject*>& held,
                             const qcStartFunction& startOf, std::vector<const btCollisionObject*>* moved) = 0;
+    /// True if the last certification has seen or moved the object at its present transform.
+    virtual bool HasCertified(const btCollisionObject* object) const = 0;
 };
 
 /// Registers the limits of the world with this dispatcher. Thread-safe.

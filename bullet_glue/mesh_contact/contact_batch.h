@@ -49,6 +49,10 @@ class qcMeshBatch : public qcRigidLimits, public qcKnownGaps
     /// Ends a step, after Bullet has integrated the transforms: see qcMotionLimiter. Soft bodies may have done it.
     void LimitMotion(btScalar timeStep);
     void LimitFirst(btScalar timeStep) override;
+    bool HasCertified(const btCollisionObject* object) const override
+    {
+        return m_limiter.HasCertified(object);
+    }
     void LimitAgain(btScalar timeStep, const std::vector<const btCollisionObject*>& held,
                     const qcStartFunction& startOf, std::vector<const btCollisionObject*>* moved) override;
     const qcBatchObject* FindCurrent(const btCollisionObject* object) override;

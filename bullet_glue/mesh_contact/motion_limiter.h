@@ -57,6 +57,12 @@ class qcMotionLimiter
     void LimitAgain(btScalar timeStep, const std::vector<const btCollisionObject*>& held,
                     const qcStartFunction& startOf, std::vector<const btCollisionObject*>* moved,
                     qcMeshContactStatistics* statistics);
+    /// See qcRigidLimits.
+    bool HasCertified(const btCollisionObject* object) const
+    {
+        const qcSweptObject* swept = m_objects.Find(object);
+        return swept != nullptr && qcAreSame(swept->next, object->getWorldTransform());
+    }
     /// See qcSweptObjects.
     const btCollisionObject* NotFinite() const
     {

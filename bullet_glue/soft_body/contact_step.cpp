@@ -529,7 +529,7 @@ qcStatus qcSoftBodyContact::Implementation::RunStages(btScalar timeStep)
     qcRigidLimits* limits = FindLimits();
     if (!solvesLinks && limits != nullptr)
         limits->LimitFirst(timeStep);
-    qcStatus status = scene.ReadSolved(timeStep);
+    qcStatus status = scene.ReadSolved(timeStep, limits);
     statistics.meshes = scene.meshes.CountWith(false);
     statistics.surfaces = scene.meshes.CountWith(true);
     if (status == qc_statusOk)
@@ -592,7 +592,8 @@ qcSoftBodyContact::~qcSoftBodyContact() = default;
 
 qcStatus qcSoftBodyContact::setSettings(const btSoftBody* body, const qcSoftBodySettings& settings)
 {
-    for (btScalar value : {settings.thickness, settings.friction})
+    const btScalar friction = settings.friction == -1 ? btScalar(0) : settings.friction;
+    for (btScalar value : {settings.thickness, friction})
         if (!(value >= 0 && std::isfinite(value)))
             return qc_statusBadInput;
     if (body == nullptr)

@@ -68,7 +68,6 @@ void qcClothWorld::AddCloth(unsigned triangleCount, bool selfCollision)
     m_cloth->m_cfg.collisions = btSoftBody::fCollision::SDF_RS;
     // Bullet's default for contact with fixed bodies, 0.1, lets cloth sink through a table.
     m_cloth->m_cfg.kKHR = 1;
-    m_cloth->m_cfg.kDF = btScalar(0.5);
     m_cloth->m_cfg.kDP = btScalar(0.005);
     m_cloth->setTotalMass(1);
     m_world.addSoftBody(m_cloth);
@@ -76,6 +75,7 @@ void qcClothWorld::AddCloth(unsigned triangleCount, bool selfCollision)
     qcSoftBodySettings settings;
     settings.selfCollision = selfCollision;
     settings.thickness = btScalar(0.4) * 2 / btScalar(side); // of an edge
+    settings.friction = btScalar(0.3);
     m_softSolver.setSettings(m_cloth, settings);
 
     for (int i = 0; i < m_cloth->m_faces.size(); i++)
@@ -103,7 +103,6 @@ void qcClothWorld::PullAway()
         m_cloth->appendAnchor(node, &m_grip, true);
     // Over a table as rough as in the first act, the cloth stretches rather than slips.
     m_table.setFriction(btScalar(0.1));
-    m_cloth->m_cfg.kDF = btScalar(0.1);
     // The pull has to reach the other side, a hundred edges away: with 8 rounds in a step the cloth is rubber.
     m_cloth->m_cfg.piterations = 20;
     m_pulled = 0;

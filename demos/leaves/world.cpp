@@ -110,7 +110,6 @@ void qcLeavesWorld::AddLeaf(const qcLeafMesh& mesh, double letsGo)
     body->m_cfg.piterations = 4;
     body->m_cfg.collisions = btSoftBody::fCollision::SDF_RS;
     body->m_cfg.kKHR = 1;
-    body->m_cfg.kDF = btScalar(0.5);
     body->m_cfg.kDP = btScalar(0.01);
     body->m_cfg.aeromodel = btSoftBody::eAeroModel::F_TwoSided;
     body->m_cfg.kDG = btScalar(0.06);
@@ -120,6 +119,7 @@ void qcLeavesWorld::AddLeaf(const qcLeafMesh& mesh, double letsGo)
         body->setMass(i, 0);
     qcSoftBodySettings settings;
     settings.thickness = s_thickness;
+    settings.friction = btScalar(0.3);
     // Stiff and folded along the midrib, a leaf doesn't reach itself; contact would cost a third of the step.
     settings.selfCollision = false;
     m_softSolver.setSettings(body, settings);

@@ -35,9 +35,10 @@ struct qcSoftBodySettings
     /// false: the body's tangles stay as they are; they may move along the surfaces but don't grow. Two bodies are
     /// worked apart if both settings are true.
     bool untangle = true;
-    /// Coulomb friction. Two bodies use the mean of both; a rigid body has btRigidBody's own. Bullet's m_cfg.kDF is
-    /// for Bullet's own contact only.
-    btScalar friction = btScalar(0.3);
+    /// Coulomb friction. Two bodies use the mean of both; a rigid body has btRigidBody's own. -1: 0.3, unless the
+    /// application has set Bullet's m_cfg.kDF to another value than Bullet's default, 0.2. Then it is kDF, and against a
+    /// rigid body kDF times that body's friction, as in Bullet.
+    btScalar friction = -1;
     /// Contact with the shapes of rigid bodies is left to Bullet, but for qcMeshShape: nodes are tested by themselves,
     /// at the end of a step. Edges and faces then have no contact with these shapes, and fast cloth passes them.
     bool bulletNodeContacts = false;
@@ -169,7 +170,7 @@ class QC_API qcSoftBodyContact
   public:
     /// Sets how a body collides, from the next step until it is removed from the world. It may be called before the
     /// body is added; then don't delete the body without adding it. qc_statusBadInput: the body is null, or thickness
-    /// or friction is negative or not finite; the body's settings stay as they were, and qcLastMessage has no details.
+    /// or friction is negative (but for a friction of -1) or not finite; the body's settings stay as they were, and qcLastMessage has no details.
     qcStatus setSettings(const btSoftBody* body, const qcSoftBodySettings& settings);
     /// The settings of a body; the defaults if none were set.
     qcSoftBodySettings getSettings(const btSoftBody* body) const;

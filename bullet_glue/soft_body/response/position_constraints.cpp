@@ -201,14 +201,14 @@ bool qcViewContact(qcSoftBodyScene& scene, const qcContact& contact, qcSoftConta
     if (view->b != nullptr)
     {
         view->thickness = (view->a->thickness + view->b->thickness) / 2;
-        view->friction = (view->a->settings.friction + view->b->settings.friction) / 2;
+        view->friction = (view->a->Friction() + view->b->Friction()) / 2;
         view->onB = PointOf(*view->b, view->verticesB, view->weightsB);
         return view->distance <= view->thickness && HaveResponse(*view->a, *view->b);
     }
     const qcSceneMesh& mesh = *scene.meshes.Find(slotB, &view->rigid);
     view->mesh = &mesh;
     view->thickness = mesh.ContactDistance(view->a->thickness);
-    view->friction = (view->a->settings.friction + view->rigid->object->getFriction()) / 2;
+    view->friction = view->a->FrictionOn(*view->rigid->object);
     view->onB = PointOf(mesh, view->verticesB, view->weightsB);
     return view->distance <= view->thickness && qcHasResponse(*view->a, *view->rigid, mesh) &&
            !view->a->IsAnchored(view->verticesA, view->rigid->object);
@@ -225,7 +225,7 @@ bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], con
     constraint->point = now * place.point;
     constraint->arm = constraint->point - now.getOrigin();
     constraint->startOffset -= rigid.start * place.start;
-    constraint->friction = (soft.settings.friction + rigid.object->getFriction()) / 2;
+    constraint->friction = soft.FrictionOn(*rigid.object);
     // What lies on a shape that has other triangles now goes with them at once.
     Orient(thickness, normal, rigid.isReshaped ? btScalar(1) : qcGapRecovery, constraint);
     // Contact wakes the rigid body, as Bullet's own contact of soft bodies does. It moves from the next step on.

@@ -280,9 +280,12 @@ btScalar ThicknessOf(const qcPlaneSide& side)
     return side.soft != nullptr ? side.soft->thickness / 2 : side.mesh->shape->getMargin();
 }
 
-btScalar FrictionOf(const qcPlaneSide& side)
+/// One side is that of a soft body.
+btScalar FrictionOf(const qcPlaneSide& a, const qcPlaneSide& b)
 {
-    return side.soft != nullptr ? side.soft->settings.friction : side.rigid->object->getFriction();
+    if (a.soft == nullptr)
+        return FrictionOf(b, a);
+    return b.soft != nullptr ? (a.soft->Friction() + b.soft->Friction()) / 2 : a.soft->FrictionOn(*b.rigid->object);
 }
 
 /// The corners of both triangles.
@@ -420,7 +423,7 @@ void qcSeparationPlanes::Add(qcSoftBodyScene& scene, const qcUnprovenPair& unpro
     btScalar thickness = ThicknessOf(plane.above) + ThicknessOf(plane.below);
     plane.gap = unproven.distance > 0 ? std::min(unproven.distance + widening * thickness, thickness / 4)
                                       : (s_touchingGap + widening) * thickness;
-    plane.friction = (FrictionOf(plane.above) + FrictionOf(plane.below)) / 2;
+    plane.friction = FrictionOf(plane.above, plane.below);
     m_planes.push_back(plane);
 }
 

@@ -34,7 +34,7 @@ qcObjectStarts::Moved qcObjectStarts::MakeMoved(btCollisionObject* object, const
     return moved;
 }
 
-void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep)
+void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep, const qcRigidLimits* limits)
 {
     auto [found, isNew] = m_states.emplace(qcObjectKey(object), State());
     State& state = found->second;
@@ -52,7 +52,8 @@ void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep)
                       (IsLink(object) && qcIsMotion(object, state.end, state.begin, state.motion, timeStep));
         state.start = isNear ? state.end : state.begin;
         const btRigidBody* body = btRigidBody::upcast(object);
-        if (body != nullptr && !qcIsIntegrated(*body, state.begin, now, timeStep))
+        const bool isCertified = limits != nullptr && limits->HasCertified(object);
+        if (body != nullptr && !isCertified && !qcIsIntegrated(*body, state.begin, now, timeStep))
             state.start = now;
     }
     else
@@ -88,7 +89,8 @@ void qcObjectStarts::ReadBegin(const std::set<btBroadphaseInterface*>& broadphas
     Begin(broadphases, [](const btCollisionObject*) {});
 }
 
-void qcObjectStarts::Read(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep)
+void qcObjectStarts::Read(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep,
+                          const qcRigidLimits* limits)
 {
     m_step++;
     m_count = 0;
@@ -96,7 +98,7 @@ void qcObjectStarts::Read(const std::set<btBroadphaseInterface*>& broadphases, b
     m_moved.clear();
     m_notFinite = nullptr;
     qcForEachObject(broadphases,
-                    [this, timeStep](btCollisionObject* object, btBroadphaseInterface* broadphase)
+                    [this, timeStep, limits](btCollisionObject* object, btBroadphaseInterface* broadphase)
                     {
                         if (!qcIsFinite(*object))
                         {
@@ -104,7 +106,7 @@ void qcObjectStarts::Read(const std::set<btBroadphaseInterface*>& broadphases, b
                             return;
                         }
                         m_present.push_back({object, broadphase});
-                        ReadObject(object, timeStep);
+                        ReadObject(object, timeStep, limits);
                     });
     for (auto state = m_states.begin(); m_count < m_states.size() && state != m_states.end();)
         state = state->second.step != m_step ? m_states.erase(state) : std::next(state);

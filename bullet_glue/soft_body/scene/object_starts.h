@@ -4,6 +4,7 @@
 #define QC_GLUE_SOFT_BODY_SCENE_OBJECT_STARTS_H
 
 #include "common/object_key.h"
+#include "common/rigid_limits.h"
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
 #include <LinearMath/btAabbUtil2.h>
@@ -23,8 +24,8 @@ class qcObjectStarts
     /// Reads again where the application has left these bodies, after its callbacks within the step.
     void ReadBegin(const std::set<btBroadphaseInterface*>& broadphases);
     /// Reads the objects of the step, after Bullet has moved them, but those that are not finite. Objects that have
-    /// left the broadphases are forgotten. O(objects).
-    void Read(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep);
+    /// left the broadphases are forgotten. `limits`: what they have moved is not put elsewhere; or null. O(objects).
+    void Read(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep, const qcRigidLimits* limits);
     using BoxFunction = std::function<void(const btVector3&, const btVector3&)>;
     /// Calls function(lower, upper) for the motion of each object that the application has moved since the previous
     /// step, Bullet does not move and others respond to. O(objects).
@@ -79,7 +80,7 @@ class qcObjectStarts
     };
 
     static Moved MakeMoved(btCollisionObject* object, const btTransform& from);
-    void ReadObject(btCollisionObject* object, btScalar timeStep);
+    void ReadObject(btCollisionObject* object, btScalar timeStep, const qcRigidLimits* limits);
 
     std::unordered_map<qcObjectKey, State, qcObjectKeyHash> m_states;
     std::vector<Present> m_present;

@@ -112,9 +112,10 @@ void qcSoftBodyMeshes::BeginStep(const std::set<btBroadphaseInterface*>& broadph
                    });
 }
 
-void qcSoftBodyMeshes::ReadMotions(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep)
+void qcSoftBodyMeshes::ReadMotions(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep,
+                                   const qcRigidLimits* limits)
 {
-    m_starts.Read(broadphases, timeStep);
+    m_starts.Read(broadphases, timeStep, limits);
     m_candidates.clear();
     for (const qcObjectStarts::Present& present : m_starts.Objects())
         if (MayHaveMeshes(present.object, true))

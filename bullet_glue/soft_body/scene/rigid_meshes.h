@@ -30,8 +30,9 @@ class qcSoftBodyMeshes
     /// bodies).
     void ForEachPlaced(const std::set<btBroadphaseInterface*>& broadphases,
                        const qcObjectStarts::BoxFunction& function) const;
-    /// Reads where all objects start and end the step. Call it before CollectOverlapping.
-    void ReadMotions(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep);
+    /// Reads where all objects start and end the step: see qcObjectStarts. Call it before CollectOverlapping.
+    void ReadMotions(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep,
+                     const qcRigidLimits* limits);
     /// Collects the objects with meshes whose proxies or motions over the step overlap this box, for the next Sync.
     /// `withSurfaces`: also objects without a qcMeshShape.
     void CollectOverlapping(btBroadphaseInterface* broadphase, const btVector3& lower, const btVector3& upper,

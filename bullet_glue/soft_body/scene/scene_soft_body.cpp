@@ -105,3 +105,26 @@ bool qcSceneSoftBody::FindMotionBox(btScalar reach, btVector3 box[2]) const
     qcEnlarge(reach, box);
     return hasSolvedBox;
 }
+
+namespace
+{
+constexpr btScalar s_friction = btScalar(0.3);
+// m_cfg.kDF of a soft body whose application has not set it.
+constexpr btScalar s_bulletsFriction = btScalar(0.2);
+
+/// True if the friction is Bullet's m_cfg.kDF.
+bool HasBulletsFriction(const qcSceneSoftBody& soft)
+{
+    return soft.settings.friction < 0 && soft.body->m_cfg.kDF != s_bulletsFriction;
+}
+} // namespace
+
+btScalar qcSceneSoftBody::Friction() const
+{
+    return HasBulletsFriction(*this) ? body->m_cfg.kDF : settings.friction < 0 ? s_friction : settings.friction;
+}
+
+btScalar qcSceneSoftBody::FrictionOn(const btCollisionObject& rigid) const
+{
+    return HasBulletsFriction(*this) ? body->m_cfg.kDF * rigid.getFriction() : (Friction() + rigid.getFriction()) / 2;
+}

@@ -66,6 +66,9 @@ struct qcSceneSoftBody
     bool isAlone = false;
     bool isInScene = false; ///< the scene has its positions
 
+    /// The body's own friction, and that against a rigid object: see qcSoftBodySettings.
+    btScalar Friction() const;
+    btScalar FrictionOn(const btCollisionObject& rigid) const;
     /// Reads how far the application has moved the nodes, in this member, since the end of the previous step. False:
     /// the body starts elsewhere, since a node is further from there than half the size that the body had.
     bool ReadApplied(btVector3 btSoftBody::Node::*member);

@@ -255,14 +255,14 @@ qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, 
     return qc_statusOk;
 }
 
-qcStatus qcSoftBodyScene::ReadSolved(btScalar timeStep)
+qcStatus qcSoftBodyScene::ReadSolved(btScalar timeStep, const qcRigidLimits* limits)
 {
     BT_PROFILE("qcSoftBodyContact gather");
     std::set<btBroadphaseInterface*> broadphases;
     for (const qcSceneSoftBody& tracked : m_bodies)
         if (tracked.CollidesWithRigidBodies() && tracked.body->getWorldInfo()->m_broadphase != nullptr)
             broadphases.insert(tracked.body->getWorldInfo()->m_broadphase);
-    meshes.ReadMotions(broadphases, timeStep);
+    meshes.ReadMotions(broadphases, timeStep, limits);
     if (meshes.NotFinite() != nullptr)
     {
         notFinite = meshes.NotFinite();

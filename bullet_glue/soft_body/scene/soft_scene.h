@@ -30,7 +30,7 @@ class qcSoftBodyScene
     qcStatus Sync(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start);
     /// Reads the positions after Bullet's own solvers, and makes the scene's meshes those near the motions from the
     /// start of the step to there.
-    qcStatus ReadSolved(btScalar timeStep);
+    qcStatus ReadSolved(btScalar timeStep, const qcRigidLimits* limits);
     /// Sets the present positions of nodes and transforms of meshes in the scene.
     qcStatus SyncPositions();
     /// Sets the positions of the start of the step in the scene.

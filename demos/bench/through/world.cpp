@@ -102,7 +102,6 @@ void qcThroughWorld::AddSoft(btSoftBody* soft, const btVector3& velocity, btScal
 {
     soft->getCollisionShape()->setMargin(s_margin);
     soft->m_cfg.piterations = 4;
-    soft->m_cfg.kDF = btScalar(0.3);
     soft->m_cfg.kKHR = 1;
     soft->m_cfg.kCHR = 1;
     soft->m_sleepingThreshold = 0;
@@ -116,6 +115,7 @@ void qcThroughWorld::AddSoft(btSoftBody* soft, const btVector3& velocity, btScal
     btScalar damping = s_damping * mass * btScalar(m_def.hz);
     qcSoftBodySettings settings;
     settings.thickness = thickness;
+    settings.friction = btScalar(0.3);
     SetContinuous(&settings, m_def.continuous, 0);
     if (m_deformable)
     {

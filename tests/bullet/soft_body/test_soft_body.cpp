@@ -342,6 +342,40 @@ START_TEST(settings_last_until_removal_and_may_be_given_before_the_body_is_added
 }
 END_TEST
 
+/// How far a small sheet slides in half a second that is thrown along a floor at 3 m/s.
+static btScalar SlideOf(btScalar setting, btScalar kDF, btScalar floorFriction)
+{
+    World world;
+    world.AddMesh(qcFloorModel(8, 4), 0, btVector3(0, 1, 0))->setFriction(floorFriction);
+    const btScalar y = btScalar(1.05), h = btScalar(0.25);
+    btSoftBody* sheet =
+        world.AddCloth(btVector3(-h, y, -h), btVector3(h, y, -h), btVector3(-h, y, h), btVector3(h, y, h), 8);
+    sheet->m_cfg.kDF = kDF;
+    sheet->setVelocity(btVector3(3, 0, 0));
+    qcSoftBodySettings settings;
+    settings.friction = setting;
+    ck_assert_int_eq(world.softSolver.setSettings(sheet, settings), qc_statusOk);
+    for (int step = 0; step < 60; step++)
+        world.Step();
+    return sheet->m_nodes[40].m_x.x();
+}
+
+START_TEST(friction_is_the_setting_or_that_of_bullet_where_the_application_has_set_it)
+{
+    const btScalar bullets = btScalar(0.2), rough = SlideOf(btScalar(0.3), bullets, btScalar(0.5));
+    // By default as 0.3; a setting counts whatever kDF is.
+    ck_assert(SlideOf(-1, bullets, btScalar(0.5)) == rough);
+    ck_assert(SlideOf(btScalar(0.3), btScalar(0.02), btScalar(0.5)) == rough);
+    // kDF counts if the application has set it, times the friction of the floor.
+    const btScalar smooth = SlideOf(-1, btScalar(0.02), btScalar(0.5)),
+                   half = SlideOf(-1, btScalar(0.8), btScalar(0.5));
+    ck_assert_double_gt(double(smooth), 1.4);
+    ck_assert_double_lt(double(rough), 1.2);
+    ck_assert_double_eq_tol(double(half), double(rough), 0.05);
+    ck_assert_double_eq_tol(double(SlideOf(-1, btScalar(0.4), 1)), double(half), 1e-6);
+}
+END_TEST
+
 START_TEST(settings_that_make_no_sense_are_refused_and_change_nothing)
 {
     World world;
@@ -350,7 +384,7 @@ START_TEST(settings_that_make_no_sense_are_refused_and_change_nothing)
     settings.thickness = btScalar(0.02);
     ck_assert_int_eq(world.softSolver.setSettings(cloth, settings), qc_statusOk);
     ck_assert_int_eq(world.softSolver.setSettings(nullptr, settings), qc_statusBadInput);
-    for (btScalar value : {btScalar(-1), btScalar(NAN), btScalar(INFINITY)})
+    for (btScalar value : {btScalar(-2), btScalar(-0.5), btScalar(NAN), btScalar(INFINITY)})
         for (btScalar qcSoftBodySettings::*field : {&qcSoftBodySettings::thickness, &qcSoftBodySettings::friction})
         {
             qcSoftBodySettings wrong = settings;
@@ -567,6 +601,7 @@ QC_RUN_TESTS("soft body", a_falling_cloth_never_penetrates_itself,
              a_node_that_is_not_finite_is_named_and_nothing_crashes, a_changed_topology_collides,
              faces_with_other_nodes_but_the_same_count_collide,
              settings_last_until_removal_and_may_be_given_before_the_body_is_added,
+             friction_is_the_setting_or_that_of_bullet_where_the_application_has_set_it,
              settings_that_make_no_sense_are_refused_and_change_nothing, a_face_with_one_free_corner_is_not_thrown_away,
              a_body_that_is_not_simulated_stays_where_it_is_and_holds_others_up,
              no_callback_reports_the_end_of_contacts_of_a_removed_body,

@@ -246,7 +246,6 @@ void HashSoft(const char* name, unsigned threads, bool tangled)
     scene.softBodies.back()->getCollisionShape()->setMargin(btScalar(0.03));
     for (btSoftBody* cloth : {lying, standing})
     {
-        cloth->m_cfg.kDF = btScalar(0.4);
         cloth->m_cfg.piterations = 3;
     }
     qcSoftBodySettings settings;
@@ -290,7 +289,6 @@ void HashDeformable(const char* name, unsigned threads)
                     btVector3(btScalar(0.1), 1, 0));
     for (const auto& body : scene.softBodies)
     {
-        body->m_cfg.kDF = 1;
         world.addSoftBody(body.get());
         world.addForce(body.get(), &springs);
         world.addForce(body.get(), &gravity);
