@@ -664,6 +664,12 @@ void qcMotionLimiter::Limit(btScalar timeStep, qcMeshContactStatistics* statisti
     statistics->limitMs = 0;
     if (m_objects.ReadMotions(timeStep, m_scene.Get()))
         Run(timeStep, statistics);
+    // What Run has pushed may be near convex shapes that had no reason to take part.
+    if (m_objects.MissesCores())
+    {
+        m_objects.ReadTargets([](const btCollisionObject*) { return nullptr; }, m_scene.Get());
+        Run(timeStep, statistics);
+    }
     m_objects.RecordEnds();
     WriteStatistics(start, statistics);
 }

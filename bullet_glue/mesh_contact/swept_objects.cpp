@@ -323,6 +323,27 @@ bool qcSweptObjects::TakesCores(const btCollisionObject* object)
     return MayPass(object, halfWidth);
 }
 
+bool qcSweptObjects::MissesCores()
+{
+    m_movingMeshes.clear();
+    for (qcSweptObject* swept : m_sorted)
+    {
+        if (!swept->isOurs || !swept->isLimited)
+            continue;
+        swept->target = swept->object->getWorldTransform();
+        swept->FindTravel();
+        if (swept->travel > s_slowMotion * gContactBreakingThreshold)
+            m_movingMeshes.push_back(swept);
+    }
+    const btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
+    auto isMissed = [this](const btCollisionObject* object)
+    {
+        const qcSweptObject* swept = Find(object);
+        return (swept == nullptr || swept->cores == nullptr) && qcIsFinite(*object) && TakesCores(object);
+    };
+    return !m_movingMeshes.empty() && std::any_of(&objects[0], &objects[0] + objects.size(), isMissed);
+}
+
 /// Reads the present transform of an object as its target.
 qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesCores, qcScene* scene)
 {

@@ -60,6 +60,9 @@ class qcSweptObjects
             if (multibody->IsLimited())
                 multibody->ForEachCollider(function);
     }
+    /// True if meshes that limits have moved may pass convex shapes that were too slow to take part. O(objects * such
+    /// meshes).
+    bool MissesCores();
     /// The entry of an object in the world, or null.
     qcSweptObject* Find(const btCollisionObject* object) const;
     /// Inner cores of an object take part, too, if it has cores.

@@ -300,6 +300,35 @@ START_TEST(fast_kinematic_convex_shapes_pass_no_mesh)
 }
 END_TEST
 
+START_TEST(a_mesh_at_rest_that_is_pushed_passes_no_convex_shape)
+{
+    // A plate strikes one end of a long rod, whose other end is at a static shape that is far from the plate.
+    for (int speed = 20; speed <= 100; speed += 10)
+    {
+        qcMeshWorld world;
+        world.world.setGravity(btVector3(0, 0, 0));
+        btCollisionShape* shape = world.Keep(MakeConvex(_i));
+        btRigidBody* fixed = world.Add(shape, 0, btVector3(btScalar(2.55), 0, 0));
+        const qcModel rodModel = qcBoxModel(btVector3(2, btScalar(0.08), btScalar(0.08)), 1), core = qcCoreModel(shape);
+        btRigidBody* rod = world.Add(world.Keep(rodModel.MakeShape()), 1, btVector3(0, 0, 0));
+        rod->setActivationState(DISABLE_DEACTIVATION);
+        btTransform place(btQuaternion::getIdentity(), btVector3(btScalar(-2.5), 0, 0));
+        btRigidBody* plate = AddKinematic(
+            &world, world.Keep(qcBoxModel(btVector3(btScalar(0.1), btScalar(0.5), btScalar(0.5)), 1).MakeShape()),
+            place);
+        plate->setInterpolationWorldTransform(place);
+        world.Step();
+        qcMotionOracle oracle;
+        oracle.Add(rodModel, rod);
+        oracle.Add(core, fixed);
+        place.getOrigin() += btVector3(btScalar(speed) * qcStep, 0, 0);
+        plate->setWorldTransform(place);
+        world.Step();
+        ck_assert_msg(oracle.Count() == 0 || world.contact.getStatistics().unproven > 0, "speed %d", speed);
+    }
+}
+END_TEST
+
 START_TEST(a_kinematic_convex_shape_that_is_put_elsewhere_takes_nothing_along)
 {
     // With notice, or by a jump of more than eight sizes.
@@ -517,6 +546,7 @@ QC_TEST_MAIN()
     tcase_add_loop_test(tests, a_fast_kinematic_mesh_takes_along_a_convex_shape, 0, convex_kinds);
     tcase_add_loop_test(tests, fast_kinematic_convex_shapes_pass_no_mesh, 0, convex_kinds);
     tcase_add_test(tests, a_kinematic_convex_shape_that_is_put_elsewhere_takes_nothing_along);
+    tcase_add_loop_test(tests, a_mesh_at_rest_that_is_pushed_passes_no_convex_shape, 0, convex_kinds);
     tcase_add_loop_test(tests, debris_that_sinks_into_a_box_comes_out_again, 0, 2);
     tcase_add_test(tests, heavy_heaps_press_nothing_through_a_mesh);
     tcase_add_test(tests, a_piston_presses_nothing_through_a_mesh);
