@@ -156,12 +156,13 @@ bool qcOutput_Open(const char* path, qcOutput* output, qcMessage* message)
     bool exists = stat(path, &status) == 0;
     if (!exists && errno != ENOENT)
         return Fail(path, message);
-    // The file behind a symbolic link is replaced, not the link.
-    output->path = exists ? realpath(path, NULL) : FollowLinks(path);
+    bool isDirect = exists && !S_ISREG(status.st_mode);
+    // The file behind a symbolic link is replaced, not the link. A link to a pipe, as in /dev/fd, has no path.
+    output->path = isDirect ? strdup(path) : exists ? realpath(path, NULL) : FollowLinks(path);
     if (output->path == NULL)
         return Fail(path, message);
     bool opened;
-    if (exists && !S_ISREG(status.st_mode))
+    if (isDirect)
     {
         output->stream = fopen(path, "wb");
         opened = output->stream != NULL;

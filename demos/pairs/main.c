@@ -184,7 +184,7 @@ static qcExitStatus FindPairs(qcPairsRun* run, qcMessage* message)
 static qcExitStatus WriteResults(const qcPairsRun* run, qcMessage* message)
 {
     const qcPairsOptions* options = run->options;
-    if (options->out != NULL && !qcPairs_WritePairs(run, message))
+    if ((options->out != NULL || options->pairsOnOutput) && !qcPairs_WritePairs(run, message))
         return qc_exitFailed;
     if (options->picture != NULL)
     {

@@ -20,21 +20,53 @@ static bool HasEnding(const char* name, const char* ending)
     return length > strlen(ending) && strcasecmp(name + length - strlen(ending), ending) == 0;
 }
 
+/// Rejects what the other methods would ignore.
+static void CheckVisibilityOptions(const struct argp_state* state, const qcDetectDef* detect)
+{
+    const qcDetectDef unset = qcDefaultDetectDef();
+    const struct
+    {
+        const char* name;
+        bool isSet;
+    } options[] = {
+        {"views", strcmp(detect->views, unset.views) != 0},     {"resolution", detect->resolution != unset.resolution},
+        {"iterations", detect->iterations != unset.iterations}, {"back-to-front", detect->backToFront},
+        {"second-pass-from-back", detect->secondPassFromBack},  {"reliable", detect->reliable}};
+    for (size_t i = 0; i < sizeof options / sizeof options[0]; ++i)
+        if (options[i].isSet)
+            argp_error(state, "--%s: it is for quick and cullide, and the method is %s", options[i].name,
+                       qcMethod_Name(detect->method));
+}
+
+static void CheckOut(const struct argp_state* state, qcPairsOptions* options)
+{
+    if (options->out != NULL && (strcmp(options->out, "-") == 0 || strcmp(options->out, "/dev/stdout") == 0))
+    {
+        options->out = NULL;
+        options->pairsOnOutput = true;
+    }
+    if (options->pairsOnOutput && options->json)
+        argp_error(state, "--json: the pairs have standard output; name a file with --out");
+    // "--out a.ply b.ply" lacks the name of the output and would replace the mesh.
+    if (options->out != NULL && (HasEnding(options->out, ".ply") || HasEnding(options->out, ".obj")))
+        argp_error(state, "--out: '%s' is named as a mesh; it would be overwritten with pairs", options->out);
+    if (options->out != NULL && options->picture != NULL && strcmp(options->out, options->picture) == 0)
+        argp_error(state, "--out and --picture name the same file");
+    if (options->detect.proximities && options->out == NULL && !options->pairsOnOutput)
+        argp_error(state, "--proximities: they are written with the pairs; name a file with --out");
+}
+
 static void CheckTogether(const struct argp_state* state, void* context)
 {
     qcPairsOptions* options = context;
     if (options->deviceName != NULL)
         options->device = (qcDeviceKind)qcOption_ReadWord(state, "--device", options->deviceName, qcDeviceWords);
-    // "--out a.ply b.ply" lacks the name of the output and would replace the mesh.
-    if (options->out != NULL && (HasEnding(options->out, ".ply") || HasEnding(options->out, ".obj")))
-        argp_error(state, "--out: '%s' is named as a mesh; it would be overwritten with pairs", options->out);
     if (options->picture != NULL && !HasEnding(options->picture, ".png"))
         argp_error(state, "--picture: '%s' does not end in .png", options->picture);
-    if (options->out != NULL && options->picture != NULL && strcmp(options->out, options->picture) == 0)
-        argp_error(state, "--out and --picture name the same file");
-    if (options->detect.proximities && options->out == NULL)
-        argp_error(state, "--proximities: they are written with the pairs; name a file with --out");
+    CheckOut(state, options);
     bool samples = options->detect.method == qc_methodQuick || options->detect.method == qc_methodCullide;
+    if (!samples)
+        CheckVisibilityOptions(state, &options->detect);
     if (samples && options->detect.margin > 0.0 && !options->detect.reliable)
         argp_error(state, "--margin: %s needs --reliable for it", qcMethod_Name(options->detect.method));
 }
@@ -89,7 +121,8 @@ void qcPairs_ReadOptions(int argumentCount, char** arguments, qcPairsOptions* op
         {3, "out", "FILE",
          "Write the pairs, a line each, sorted: bodyA triangleA bodyB triangleB penetrating|touching|near. A body is "
          "the number of its MESH, a triangle its number in the file, both from 0; a polygon is read as the triangles "
-         "of its fan, a strip (PLY's tristrips) as its triangles without those that name a vertex twice",
+         "of its fan, a strip (PLY's tristrips) as its triangles without those that name a vertex twice. -: the "
+         "pairs go to standard output, and the report to standard error",
          qcOption_Text(&options->out)},
         {3, "proximities", NULL,
          "Write behind each pair: distance depth pointA pointB normal, three numbers a point. The points are the "

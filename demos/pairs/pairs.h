@@ -16,7 +16,8 @@ typedef struct qcPairsOptions
     bool f64;
     uint32_t reps;
     bool json;
-    const char* out;     ///< or null
+    const char* out;     ///< the file of the pairs, or null
+    bool pairsOnOutput;  ///< the pairs go to standard output, the report to standard error
     const char* picture; ///< or null
     char** paths;
     uint32_t pathCount;
@@ -51,9 +52,9 @@ typedef struct qcPairsRun
 /// Reads the command line; ends the program after --help and on a mistake.
 void qcPairs_ReadOptions(int argumentCount, char** arguments, qcPairsOptions* options);
 
-/// Writes the pairs to options->out, one a line.
+/// Writes the pairs to options->out or to standard output, one a line.
 bool qcPairs_WritePairs(const qcPairsRun* run, qcMessage* message);
-/// Prints the readable report, or the JSON object, on standard output.
+/// Prints the readable report, or the JSON object: on standard output, or on standard error if the pairs are there.
 bool qcPairs_WriteReport(const qcPairsRun* run, qcMessage* message);
 /// Draws the meshes with the PCS in red into options->picture.
 qcExitStatus qcPairs_DrawPicture(const qcPairsRun* run, qcMessage* message);

@@ -10,6 +10,11 @@
 #include <stdio.h>
 #include <string.h>
 
+enum
+{
+    qc_minTriangles = 10000 ///< for memory by the triangle
+};
+
 static void WriteProximity(FILE* stream, const qcProximity* proximity)
 {
     // 17 digits: each number can be read back as it is.
@@ -19,33 +24,51 @@ static void WriteProximity(FILE* stream, const qcProximity* proximity)
         fprintf(stream, " %.17g", vectors[i / 3][i % 3]);
 }
 
-bool qcPairs_WritePairs(const qcPairsRun* run, qcMessage* message)
+static void PrintPairs(const qcPairsRun* run, FILE* stream)
 {
-    qcOutput output;
-    if (!qcOutput_Open(run->options->out, &output, message))
-        return false;
     for (size_t i = 0; i < run->result->pairCount; ++i)
     {
         const qcPair* pair = &run->result->pairs[i];
-        fprintf(output.stream, "%" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 " %s", pair->bodyA, pair->triangleA,
-                pair->bodyB, pair->triangleB, qcRelation_Name(pair->relation));
+        fprintf(stream, "%" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 " %s", pair->bodyA, pair->triangleA, pair->bodyB,
+                pair->triangleB, qcRelation_Name(pair->relation));
         if (run->result->proximities != NULL)
-            WriteProximity(output.stream, &run->result->proximities[i]);
-        putc('\n', output.stream);
+            WriteProximity(stream, &run->result->proximities[i]);
+        putc('\n', stream);
     }
+}
+
+static bool FlushOutput(qcMessage* message)
+{
+    errno = 0;
+    if (fflush(stdout) != 0 || ferror(stdout))
+        return qcMessage_Fail(message, "standard output: %s", errno != 0 ? strerror(errno) : "not written");
+    return true;
+}
+
+bool qcPairs_WritePairs(const qcPairsRun* run, qcMessage* message)
+{
+    if (run->options->pairsOnOutput)
+    {
+        PrintPairs(run, stdout);
+        return FlushOutput(message);
+    }
+    qcOutput output;
+    if (!qcOutput_Open(run->options->out, &output, message))
+        return false;
+    PrintPairs(run, output.stream);
     return qcOutput_Commit(&output, message);
 }
 
 //  ---- for a reader --------------------------------------------------------------------------------
 
-static void PrintMeshes(const qcPairsRun* run)
+static void PrintMeshes(const qcPairsRun* run, FILE* stream)
 {
     for (uint32_t i = 0; i < run->options->pathCount; ++i)
-        printf("%-12s %s: %" PRIu32 " triangles, %" PRIu32 " vertices\n", i == 0 ? "meshes" : "",
-               run->options->paths[i], run->meshes[i].triangleCount, run->meshes[i].vertexCount);
+        fprintf(stream, "%-12s %s: %" PRIu32 " triangles, %" PRIu32 " vertices\n", i == 0 ? "meshes" : "",
+                run->options->paths[i], run->meshes[i].triangleCount, run->meshes[i].vertexCount);
 }
 
-static void PrintStages(const qcPairsRun* run)
+static void PrintStages(const qcPairsRun* run, FILE* stream)
 {
     uint32_t reps = run->options->reps;
     for (size_t i = 0; i < qc_stageCount; ++i)
@@ -54,44 +77,48 @@ static void PrintStages(const qcPairsRun* run)
         // Stages that did not run are left out; the total stays.
         if (stage->median < 0.0005 && i + 1 < qc_stageCount)
             continue;
-        printf("  %-14s %10.3f ms", stage->name, stage->median);
+        fprintf(stream, "  %-14s %10.3f ms", stage->name, stage->median);
         if (reps > 1)
-            printf(" median, %10.3f ms least of %" PRIu32, stage->min, reps);
-        putchar('\n');
+            fprintf(stream, " median, %10.3f ms least of %" PRIu32, stage->min, reps);
+        putc('\n', stream);
     }
 }
 
-static void PrintText(const qcPairsRun* run)
+static void PrintText(const qcPairsRun* run, FILE* stream)
 {
     const qcProfile* profile = &run->result->profile;
-    PrintMeshes(run);
-    printf("%-12s %s", "method", qcMethod_Name(profile->method));
+    PrintMeshes(run, stream);
+    fprintf(stream, "%-12s %s", "method", qcMethod_Name(profile->method));
     if (profile->fallback != NULL)
-        printf(" instead of %s: %s", qcMethod_Name(run->options->detect.method), profile->fallback);
-    printf("\n%-12s %s", "device", profile->device);
+        fprintf(stream, " instead of %s: %s", qcMethod_Name(run->options->detect.method), profile->fallback);
+    fprintf(stream, "\n%-12s %s", "device", profile->device);
     if (strcmp(profile->device, run->deviceInfo.name) == 0 && run->deviceInfo.renderer[0] != 0)
-        printf(" (%s)", run->deviceInfo.renderer);
+        fprintf(stream, " (%s)", run->deviceInfo.renderer);
     if (profile->resolution != 0)
-        printf(", %" PRIu32 " x %" PRIu32 " pixels", profile->resolution, profile->resolution);
+        fprintf(stream, ", %" PRIu32 " x %" PRIu32 " pixels", profile->resolution, profile->resolution);
     if (profile->columns != 0)
-        printf("\n%-12s %" PRIu32 " x %" PRIu32 " pixels, %" PRIu32 " slices of depth, %" PRIu64 " fragments, %" PRIu64
-               " pairs of triangles",
-               "image", profile->columns, profile->rows, profile->slices, profile->fragments, profile->listPairs);
-    if (profile->triangles != 0)
-        printf("\n%-12s %.1f bytes a triangle on the host, %.1f on the device", "memory",
-               (double)qcGetByteCount() / profile->triangles, (double)profile->deviceBytes / profile->triangles);
-    printf("\n%-12s %" PRIu32 " of %" PRIu32 " bodies, %zu of %" PRIu32 " triangles\n", "PCS", profile->objectPcs,
-           profile->bodies, run->result->pcsCount, profile->triangles);
-    printf("%-12s %" PRIu64 " pairs of triangles, %" PRIu64 " of them decided in exact arithmetic\n", "candidates",
-           profile->candidates, profile->exactFallbacks);
-    printf("%-12s %zu: %" PRIu64 " penetrating", "pairs", run->result->pairCount,
-           run->relations[qc_relationPenetrating]);
+        fprintf(stream,
+                "\n%-12s %" PRIu32 " x %" PRIu32 " pixels, %" PRIu32 " slices of depth, %" PRIu64 " fragments, %" PRIu64
+                " pairs of triangles",
+                "image", profile->columns, profile->rows, profile->slices, profile->fragments, profile->listPairs);
+    fprintf(stream, "\n%-12s %zu bytes on the host, %" PRIu64 " on the device", "memory", qcGetByteCount(),
+            profile->deviceBytes);
+    // What a scene holds without triangles would be most of it.
+    if (profile->triangles >= qc_minTriangles)
+        fprintf(stream, ", %.1f and %.1f a triangle", (double)qcGetByteCount() / profile->triangles,
+                (double)profile->deviceBytes / profile->triangles);
+    fprintf(stream, "\n%-12s %" PRIu32 " of %" PRIu32 " bodies, %zu of %" PRIu32 " triangles\n", "PCS",
+            profile->objectPcs, profile->bodies, run->result->pcsCount, profile->triangles);
+    fprintf(stream, "%-12s %" PRIu64 " pairs of triangles, %" PRIu64 " of them decided in exact arithmetic\n",
+            "candidates", profile->candidates, profile->exactFallbacks);
+    fprintf(stream, "%-12s %zu: %" PRIu64 " penetrating", "pairs", run->result->pairCount,
+            run->relations[qc_relationPenetrating]);
     if (run->options->detect.touching || run->options->detect.margin > 0.0)
-        printf(", %" PRIu64 " touching", run->relations[qc_relationTouching]);
+        fprintf(stream, ", %" PRIu64 " touching", run->relations[qc_relationTouching]);
     if (run->options->detect.margin > 0.0)
-        printf(", %" PRIu64 " near", run->relations[qc_relationNear]);
-    printf("\ntime\n");
-    PrintStages(run);
+        fprintf(stream, ", %" PRIu64 " near", run->relations[qc_relationNear]);
+    fprintf(stream, "\ntime\n");
+    PrintStages(run, stream);
 }
 
 //  ---- JSON ----------------------------------------------------------------------------------------
@@ -255,9 +282,6 @@ bool qcPairs_WriteReport(const qcPairsRun* run, qcMessage* message)
             return qcMessage_Fail(message, "out of memory for the report");
     }
     else
-        PrintText(run);
-    errno = 0;
-    if (fflush(stdout) != 0 || ferror(stdout))
-        return qcMessage_Fail(message, "standard output: %s", errno != 0 ? strerror(errno) : "not written");
-    return true;
+        PrintText(run, run->options->pairsOnOutput ? stderr : stdout);
+    return FlushOutput(message);
 }

@@ -223,6 +223,13 @@ static const Refusal s_refusals[] = {
     {"--margin 1 --method quick 0.ply", 2, "--margin: quick needs --reliable"},
     {"--method cullide 0.ply --margin 1", 2, "--margin: cullide needs --reliable"},
     {"--proximities 0.ply", 2, "--proximities: they are written with the pairs; name a file with --out"},
+    {"--out - --json 0.ply", 2, "--json: the pairs have standard output; name a file with --out"},
+    {"--views x --method=sweep 0.ply", 2, "--views: it is for quick and cullide, and the method is sweep"},
+    {"--resolution 64 0.ply", 2, "--resolution: it is for quick and cullide, and the method is auto"},
+    {"--method layers --iterations 3 0.ply", 2, "--iterations: it is for quick and cullide"},
+    {"--method brute --back-to-front 0.ply", 2, "--back-to-front: it is for quick and cullide"},
+    {"--second-pass-from-back 0.ply", 2, "--second-pass-from-back: it is for quick and cullide"},
+    {"--reliable 0.ply --margin 1", 2, "--reliable: it is for quick and cullide"},
     {"--reps 0 0.ply", 2, "--reps: '0' is not a whole number in 1.."},
     {"--touchign 0.ply", 2, "unrecognized option '--touchign'"},
     {"--out", 2, "option '--out' requires an argument"},
@@ -239,6 +246,7 @@ static const Refusal s_refusals[] = {
     {"--picture no/a.png 0.ply", 1, "no/a.png: No such file or directory"},
     {"0.ply >/dev/full", 1, "standard output: No space left on device"},
     {"--json 0.ply >/dev/full", 1, "standard output: No space left on device"},
+    {"--out - 0.ply 1.ply >/dev/full", 1, "standard output: No space left on device"},
 };
 
 START_TEST(a_refusal_gives_the_reason_and_leaves_the_old_output)
@@ -277,6 +285,22 @@ START_TEST(a_pipe_is_written_and_stays_a_pipe)
     ck_assert_int_eq(mkfifo("pipe", 0600), 0);
     ck_assert_int_eq(Run("cat pipe >copy & %s --out pipe 0.ply 1.ply && wait", PAIRS), 0);
     ck_assert_int_eq(Run("%s --out found 0.ply 1.ply && cmp found copy && test -p pipe", PAIRS), 0);
+}
+END_TEST
+
+START_TEST(pairs_go_to_standard_output_and_the_report_to_standard_error)
+{
+    ck_assert_int_eq(Run("%s --out found 0.ply 1.ply", PAIRS), 0);
+    ck_assert(ReadText("found", s_expected, sizeof s_expected));
+    for (int i = 0; i < 2; ++i)
+    {
+        size_t entries = CountEntries();
+        ck_assert_int_eq(Run("%s --out %s 0.ply 1.ply", PAIRS, i == 0 ? "-" : "/dev/stdout"), 0);
+        ck_assert_str_eq(GetOutput(), s_expected);
+        ck_assert_ptr_nonnull(strstr(GetErrors(), "\npairs        "));
+        ck_assert_uint_eq(CountEntries(), entries);
+    }
+    ck_assert_int_eq(Run("{ { %s --out /dev/fd/3 0.ply 1.ply >/dev/null; } 3>&1 | cmp - found; }", PAIRS), 0);
 }
 END_TEST
 
@@ -320,6 +344,7 @@ int main(void)
                         sizeof s_refusals / sizeof s_refusals[0]);
     tcase_add_test(tests, a_device_that_does_not_work_here_ends_with_4);
     tcase_add_test(tests, a_pipe_is_written_and_stays_a_pipe);
+    tcase_add_test(tests, pairs_go_to_standard_output_and_the_report_to_standard_error);
     tcase_add_test(tests, help_names_every_option_and_exit_status);
     tcase_add_test(tests, meshes_without_triangles_have_no_pairs);
     tcase_set_timeout(tests, 60);

@@ -114,12 +114,12 @@ END_TEST
 
 START_TEST(the_report_repeats_the_options)
 {
-    ck_assert_int_eq(Run("%s --json --margin 0.125 --back-to-front 0.ply", PAIRS), 0);
+    ck_assert_int_eq(Run("%s --json --margin 0.125 --method quick --reliable --back-to-front 0.ply", PAIRS), 0);
     json_object* object = Parse(GetOutput());
     ck_assert_double_eq(json_object_get_double(Get(object, "margin")), 0.125);
     ck_assert(json_object_get_boolean(Get(object, "backToFront")));
     ck_assert(!json_object_get_boolean(Get(object, "secondPassFromBack")));
-    ck_assert(!json_object_get_boolean(Get(object, "reliable")));
+    ck_assert(json_object_get_boolean(Get(object, "reliable")));
     uint64_t near = GetNumber(object, "near"), touching = GetNumber(object, "touching");
     ck_assert_uint_eq(GetNumber(object, "pairs"), near + touching + GetNumber(object, "penetrating"));
     json_object_put(object);
@@ -127,6 +127,27 @@ START_TEST(the_report_repeats_the_options)
     snprintf(line, sizeof line, " %" PRIu64 " touching, %" PRIu64 " near\n", touching, near);
     ck_assert_int_eq(Run("%s --margin 0.125 0.ply", PAIRS), 0);
     ck_assert_msg(strstr(GetOutput(), line) != NULL, "'%s' is not in: %s", line, GetOutput());
+}
+END_TEST
+
+START_TEST(memory_is_given_by_the_triangle_for_many_triangles_only)
+{
+    ck_assert_int_eq(Run("%s 0.ply", PAIRS), 0);
+    ck_assert_ptr_nonnull(strstr(GetOutput(), " bytes on the host, 0 on the device\n"));
+    FILE* strip = fopen("strip.obj", "w");
+    ck_assert_ptr_nonnull(strip);
+    for (int i = 0; i < 10002; ++i)
+        fprintf(strip, "v %d %d 0\n", i, i % 2);
+    for (int i = 1; i <= 10000; ++i)
+        fprintf(strip, "f %d %d %d\n", i, i + 1, i + 2);
+    ck_assert_int_eq(fclose(strip), 0);
+    ck_assert_int_eq(Run("%s strip.obj", PAIRS), 0);
+    const char* memory = strstr(GetOutput(), " on the device, ");
+    double host, device;
+    ck_assert_ptr_nonnull(memory);
+    ck_assert_int_eq(sscanf(memory, " on the device, %lf and %lf a triangle\n", &host, &device), 2);
+    ck_assert_double_gt(host, 10.0);
+    ck_assert_double_eq(device, 0.0);
 }
 END_TEST
 
@@ -178,6 +199,7 @@ int main(void)
     tcase_add_test(tests, visibility_methods_report_their_passes);
     tcase_add_test(tests, layers_reports_its_image_and_its_memory);
     tcase_add_test(tests, the_report_repeats_the_options);
+    tcase_add_test(tests, memory_is_given_by_the_triangle_for_many_triangles_only);
     tcase_add_test(tests, the_picture_shows_the_potentially_colliding_set_in_red);
     tcase_set_timeout(tests, 60);
     suite_add_tcase(suite, tests);
