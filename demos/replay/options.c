@@ -21,12 +21,14 @@ static void CheckTogether(const struct argp_state* state, void* context)
 }
 
 static const char s_help[] =
-    "Replays a recording of a scene: qcScene_Record or QC_RECORD=PREFIX in the environment of any program writes it. "
-    "The results are compared with the recorded ones by their hashes. Methods that sample (quick, cullide) find the "
-    "intersecting pairs only, and are compared with the sweep: the pairs that they miss are counted.\v"
+    "Replays a recording of a scene or a broadphase: qcScene_Record, qcBroadphase::record or QC_RECORD=PREFIX in the "
+    "environment of any program writes it. The results are compared with the recorded ones by their hashes. Methods "
+    "that sample (quick, cullide) find the intersecting pairs only, and are compared with the sweep: the pairs that "
+    "they miss are counted. A broadphase is replayed by another qcBroadphase (recorded) or by brute force (brute); one "
+    "of Bullet in double precision by qc-replay-double.\v"
     "Exit status: 0 all results are the recorded ones; 1 some differ, or output could not be written; 2 a mistake on "
-    "the command line; 3 the recording can't be read, or is damaged: what lies before the damage is replayed; 4 the "
-    "device does not work here.";
+    "the command line; 3 the recording can't be read, is a broadphase of the other precision, or is damaged: what lies "
+    "before the damage is replayed; 4 the device does not work here.";
 
 void qcReplay_ReadOptions(int argumentCount, char** arguments, qcReplayOptions* options)
 {

@@ -206,13 +206,15 @@ qcExitStatus qcReplay_RunBoxes(const qcReplayOptions* options, qcRecording* reco
         replay = qcMakeBroadphaseReplay(scalarSize);
     if (options->method != qc_methodBrute && replay == nullptr)
     {
-        if (options->method == qc_recordedMethod)
-            qcMessage_Fail(message, "this program has no broadphase of %s precision; use %s, or --method brute",
-                           scalarSize == sizeof(float) ? "single" : "double",
-                           scalarSize == sizeof(float) ? "qc-replay" : "qc-replay-double");
-        else
+        if (options->method != qc_recordedMethod)
+        {
             qcMessage_Fail(message, "--method: a broadphase is replayed by recorded or brute");
-        return qc_exitUsage;
+            return qc_exitUsage;
+        }
+        qcMessage_Fail(message, "this program has no broadphase of %s precision; use %s, or --method brute",
+                       scalarSize == sizeof(float) ? "single" : "double",
+                       scalarSize == sizeof(float) ? "qc-replay" : "qc-replay-double");
+        return qc_exitBadInput;
     }
     if (csv != nullptr)
         std::fprintf(csv, "number,operation,search,milliseconds,found,recorded,result\n");

@@ -154,6 +154,17 @@ START_TEST(operations_are_listed_with_their_bytes)
 }
 END_TEST
 
+START_TEST(help_names_both_kinds_of_recordings)
+{
+    EnterFolder();
+    ck_assert_int_eq(Run(REPLAY " --help"), 0);
+    static const char* const words[] = {"qcScene_Record", "qcBroadphase::record", "qc-replay-double", "Exit status: 0"};
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; ++i)
+        ck_assert_msg(strstr(GetOutput(), words[i]) != NULL, "%s", words[i]);
+    LeaveFolder();
+}
+END_TEST
+
 START_TEST(mistakes_and_damage_are_named)
 {
     EnterFolder();
@@ -180,4 +191,4 @@ END_TEST
 
 QC_RUN_TESTS("replay_program", a_recording_replays_equal_by_every_method_that_never_misses,
              a_result_that_differs_is_named_and_fails, pairs_that_a_sampling_method_misses_are_counted,
-             operations_are_listed_with_their_bytes, mistakes_and_damage_are_named)
+             operations_are_listed_with_their_bytes, help_names_both_kinds_of_recordings, mistakes_and_damage_are_named)

@@ -195,7 +195,7 @@ START_TEST(the_other_precision_is_refused_with_the_programs_name)
 {
     EnterFolder();
     Record(1, {}, 0);
-    ck_assert_int_eq(Run(QC_OTHER_REPLAY_PROGRAM " a.qcr"), 2);
+    ck_assert_int_eq(Run(QC_OTHER_REPLAY_PROGRAM " a.qcr"), 3);
     ck_assert_ptr_nonnull(std::strstr(GetErrors(), sizeof(btScalar) == 4
                                                        ? "no broadphase of single precision; use qc-replay,"
                                                        : "use qc-replay-double"));
