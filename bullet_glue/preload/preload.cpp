@@ -61,6 +61,26 @@ std::string DefinerSeenFrom(const std::string& file, const char* symbol)
     return definer;
 }
 
+/// Ends the process, which has two Bullets, with the cure if one of them is of the precision that this file is not for.
+[[noreturn]] void EndWithTwo(const std::string& first, const std::string& second, const char* self)
+{
+    const bool isSingle = sizeof(btScalar) == sizeof(float);
+    // The last letter is that of the parameter, a btScalar.
+    const char* symbol = isSingle ? "_ZNK16btCollisionShape27getContactBreakingThresholdEd"
+                                  : "_ZNK16btCollisionShape27getContactBreakingThresholdEf";
+    std::string other = DefinerSeenFrom(first, symbol);
+    if (other.empty())
+        other = DefinerSeenFrom(second, symbol);
+    if (!other.empty())
+        std::fprintf(stderr, "qc-preload: %s is Bullet in %s precision; preload %s instead of %s.\n", other.c_str(),
+                     isSingle ? "double" : "single", isSingle ? "libqc-preload-double.so" : "libqc-preload.so", self);
+    else
+        std::fprintf(stderr, "qc-preload: both %s and %s have a btDbvtBroadphase, and %s was built for one of them.\n",
+                     first.c_str(), second.c_str(), self);
+    std::fputs("The process ends here, since their objects differ.\n", stderr);
+    std::_Exit(EXIT_FAILURE);
+}
+
 /// Ends the process if it has a second Bullet: libraries of other precisions and versions, and copies inside of other
 /// libraries, have the same symbols for different objects. The Bullet that this file was built with is always loaded.
 /// Called at start and for each new broadphase, since libraries may have been opened in between.
@@ -85,12 +105,7 @@ __attribute__((constructor)) void CheckLibraries()
             bullet = definer;
             continue;
         }
-        std::fprintf(
-            stderr,
-            "qc-preload: both %s and %s have a btDbvtBroadphase, and %s was built for one of them. The process "
-            "ends here, since their objects differ.\n",
-            bullet.c_str(), definer.c_str(), self.dli_fname);
-        std::_Exit(EXIT_FAILURE);
+        EndWithTwo(bullet, definer, self.dli_fname);
     }
 }
 
