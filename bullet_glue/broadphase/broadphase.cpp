@@ -266,7 +266,9 @@ void qcBroadphase::debugDraw(btIDebugDraw* drawer) const
 
 qcStatus qcBroadphase::record(const char* path)
 {
-    return m_data->IsIterating() ? qc_statusBadInput : m_data->recorder.Start(path, m_data->GetProxies());
+    if (m_data->IsIterating())
+        return qcFail(qc_statusBadInput, "qcBroadphase::record: called by a callback of the broadphase");
+    return m_data->recorder.Start(path, m_data->GetProxies());
 }
 
 qcStatus qcBroadphase::getStatus() const

@@ -105,7 +105,7 @@ qcProxy* qcProxySet::Create(const btVector3& aabbMin, const btVector3& aabbMax, 
     const int id = m_freeSlots != nullptr || Grow() ? TakeUniqueId() : 0;
     if (id == 0)
     {
-        m_status = qc_statusOutOfMemory;
+        m_status = qcFail(qc_statusOutOfMemory, "qcBroadphase::createProxy: out of memory");
         return nullptr;
     }
     qcProxySlot* slot = m_freeSlots;

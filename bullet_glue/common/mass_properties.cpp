@@ -320,7 +320,11 @@ qcMassProperties qcMassPropertiesOf(const qcMoments& moments)
     bool holdsArea = Holds<double>(moments.area, moments.area * unit * unit);
     bool holdsVolume = Holds<double>(volume, volume * unit * unit * unit);
     bool holdsInertia = Holds<btScalar>(maxMoment, maxMoment * unit * unit);
-    properties.status = holdsArea && holdsVolume && holdsInertia ? qc_statusOk : qc_statusBadInput;
+    if (!holdsArea || !holdsVolume || !holdsInertia)
+        properties.status = qcFail(qc_statusBadInput, "mass properties of a mesh: the %s is out of range",
+                                   !holdsArea     ? "area"
+                                   : !holdsVolume ? "volume"
+                                                  : "inertia");
     properties.closed = moments.closed;
     properties.area = holdsArea ? moments.area * unit * unit : 0;
     properties.volume = holdsVolume ? volume * unit * unit * unit : 0;

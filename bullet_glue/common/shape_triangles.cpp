@@ -120,21 +120,24 @@ qcStatus qcAddMesh(qcScene* scene, const qcMeshDef& mesh, qcBodyId* id, std::vec
     return qcScene_AddBody(scene, &def, id);
 }
 
-void qcExplainNotFinite(const qcBodyDef& def)
+bool qcExplainNotFinite(const qcBodyDef& def)
 {
     const qcSceneDef sceneDef = qcDefaultSceneDef();
     qcScene* scene = nullptr;
     qcBodyId id;
-    if (qcScene_Create(&sceneDef, &scene) == qc_statusOk)
-        (void)qcScene_AddBody(scene, &def, &id);
+    qcStatus status = qcScene_Create(&sceneDef, &scene);
+    if (status == qc_statusOk)
+        status = qcScene_AddBody(scene, &def, &id);
     qcScene_Destroy(scene);
+    return status == qc_statusOk;
 }
 
 void qcExplainNotFinite(const btCollisionObject& object)
 {
     qcBodyDef def = qcDefaultBodyDef();
     def.transform = qcTransformOf(object.getWorldTransform());
-    qcExplainNotFinite(def);
+    if (qcExplainNotFinite(def))
+        (void)qcFail(qc_statusBadInput, "the velocity of an object is not finite");
 }
 
 qcTransform qcTransformOf(const btTransform& transform)

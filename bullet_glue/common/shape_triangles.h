@@ -73,9 +73,9 @@ qcStatus qcAddMesh(qcScene* scene, const qcMeshDef& mesh, qcBodyId* id, std::vec
 qcTransform qcTransformOf(const btTransform& transform);
 
 /// Makes qcLastMessage name the first position of a body, or number of its transform, that is not finite: a scene of
-/// its own refuses the body.
-void qcExplainNotFinite(const qcBodyDef& def);
-/// Likewise for an object; of a velocity there is no message.
+/// its own refuses the body. True: they all are finite, and there is no message.
+bool qcExplainNotFinite(const qcBodyDef& def);
+/// Likewise for an object's transform, otherwise its velocity.
 void qcExplainNotFinite(const btCollisionObject& object);
 
 /// The vector, rounded to Bullet's precision.

@@ -30,8 +30,8 @@ constexpr double s_minVolume = 100 * s_volumeError; ///< of a mesh: above the er
 qcFracture Fail(const std::string& message)
 {
     qcFracture failed;
-    failed.status = qc_statusBadInput;
     failed.message = "qcFracture_Split: " + message;
+    failed.status = qcFail(qc_statusBadInput, "%s", failed.message.c_str());
     return failed;
 }
 

@@ -212,16 +212,21 @@ qcFracture Take(Records* records, std::string* what)
     records->CheckDone();
     return fracture;
 }
+
+qcFracture FailLoad(qcStatus status, const std::string& message)
+{
+    qcFracture failed;
+    failed.message = "qcFracture_Load: " + message;
+    failed.status = qcFail(status, "%s", failed.message.c_str());
+    return failed;
+}
 } // namespace
 
 qcFracture qcFracture_Load(const char* path)
 {
     if (path == nullptr)
     {
-        qcFracture failed;
-        failed.status = qc_statusBadInput;
-        failed.message = "qcFracture_Load: path is null";
-        return failed;
+        return FailLoad(qc_statusBadInput, "path is null");
     }
     std::string place;
     try
@@ -242,9 +247,6 @@ qcFracture qcFracture_Load(const char* path)
     }
     catch (const Refused& refused)
     {
-        qcFracture failed;
-        failed.status = qc_statusFile;
-        failed.message = "qcFracture_Load: " + std::string(path) + place + ": " + refused.reason;
-        return failed;
+        return FailLoad(qc_statusFile, std::string(path) + place + ": " + refused.reason);
     }
 }

@@ -138,8 +138,8 @@ qcPieceTexture qcTexturePiece(const qcFractureDef& mesh, const qcPiece& piece, c
                  " triangles";
     if (!defect.empty())
     {
-        made.status = qc_statusBadInput;
         made.message = "qcTexturePiece: " + defect;
+        made.status = qcFail(qc_statusBadInput, "%s", made.message.c_str());
         return made;
     }
     std::vector<btVector3> weights = qcWeightsOfPiece(mesh, piece);

@@ -178,24 +178,20 @@ std::string qcFindBondDefect(const qcBond& bond, const qcFracture& fracture)
 
 qcStatus qcFracture_Save(const qcFracture& fracture, const char* path, std::string* message)
 {
-    std::string ignored;
-    std::string& text = message != nullptr ? *message : ignored;
-    if (path == nullptr)
+    auto fail = [message](qcStatus status, const std::string& reason)
     {
-        text = "qcFracture_Save: path is null";
-        return qc_statusBadInput;
-    }
+        const std::string text = "qcFracture_Save: " + reason;
+        if (message != nullptr)
+            *message = text;
+        return qcFail(status, "%s", text.c_str());
+    };
+    if (path == nullptr)
+        return fail(qc_statusBadInput, "path is null");
     std::string defect = FindDefect(fracture);
     if (!defect.empty())
-    {
-        text = "qcFracture_Save: the fracture can't be saved: " + defect;
-        return qc_statusBadInput;
-    }
+        return fail(qc_statusBadInput, "the fracture can't be saved: " + defect);
     if (__BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__)
-    {
-        text = "qcFracture_Save: files of pieces need a little-endian machine";
-        return qc_statusFile;
-    }
+        return fail(qc_statusFile, "files of pieces need a little-endian machine");
     Records records;
     records.Begin(qc_recordFracture, 0);
     qcFractureRecord record = {uint32_t(sizeof(btScalar)),
@@ -220,8 +216,5 @@ qcStatus qcFracture_Save(const qcFracture& fracture, const char* path, std::stri
     records.Begin(qc_recordPiecesEnd, 0);
     records.End();
     defect = WriteFile(path, records.GetBytes());
-    if (defect.empty())
-        return qc_statusOk;
-    text = "qcFracture_Save: " + defect;
-    return qc_statusFile;
+    return defect.empty() ? qc_statusOk : fail(qc_statusFile, defect);
 }

@@ -65,9 +65,17 @@ size_t SizeOf(qcPositionType type)
     return 3 * (type == qc_positionF64 ? sizeof(double) : sizeof(float));
 }
 
-bool HasPositions(const void* positions, qcPositionType type, size_t stride, uint32_t count)
+/// Of the arguments of a constructor.
+qcStatus CheckArrays(const void* positions, qcPositionType type, size_t stride, uint32_t vertexCount,
+                     const uint32_t* indices, uint32_t triangleCount)
 {
-    return (stride == 0 || stride >= SizeOf(type)) && (positions != nullptr || count == 0);
+    if (positions == nullptr && vertexCount > 0)
+        return qcFail(qc_statusBadInput, "qcMeshShape: positions is null for %u vertices", vertexCount);
+    if (indices == nullptr && triangleCount > 0)
+        return qcFail(qc_statusBadInput, "qcMeshShape: indices is null for %u triangles", triangleCount);
+    if (stride != 0 && stride < SizeOf(type))
+        return qcFail(qc_statusBadInput, "qcMeshShape: stride is %zu, a position has %zu bytes", stride, SizeOf(type));
+    return qc_statusOk;
 }
 } // namespace
 
@@ -119,12 +127,13 @@ void qcMeshShape::Implementation::ReadPositions(const void* positions, qcPositio
 
 void qcMeshShape::Implementation::Validate()
 {
-    for (uint32_t index : indices)
-        if (index >= points.size())
-            status = qc_statusBadInput;
-    for (const btVector3& point : points)
-        if (!qcIsFinite(point))
-            status = qc_statusBadInput;
+    for (size_t i = 0; i < indices.size() && status == qc_statusOk; i++)
+        if (indices[i] >= points.size())
+            status = qcFail(qc_statusBadInput, "qcMeshShape: index %zu of triangle %zu is %u; there are %zu vertices",
+                            i % 3, i / 3, indices[i], points.size());
+    for (size_t v = 0; v < points.size() && status == qc_statusOk; v++)
+        if (!qcIsFinite(points[v]))
+            status = qcFail(qc_statusBadInput, "qcMeshShape: the position of vertex %zu is not finite", v);
     if (status == qc_statusOk)
         return;
     points.clear();
@@ -175,13 +184,12 @@ qcMeshShape::qcMeshShape(const void* positions, qcPositionType type, size_t stri
     : m_implementation(new Implementation)
 {
     m_shapeType = FAST_CONCAVE_MESH_PROXYTYPE;
-    if (HasPositions(positions, type, stride, vertexCount) && (indices != nullptr || triangleCount == 0))
+    m_implementation->status = CheckArrays(positions, type, stride, vertexCount, indices, triangleCount);
+    if (m_implementation->status == qc_statusOk)
     {
         m_implementation->ReadPositions(positions, type, stride, vertexCount);
         m_implementation->indices.assign(indices, indices + 3 * size_t(triangleCount));
     }
-    else
-        m_implementation->status = qc_statusBadInput;
     m_implementation->Validate();
     m_implementation->Update();
     m_collisionMargin = m_implementation->DefaultMargin();

@@ -8,6 +8,7 @@
 #include <BulletCollision/CollisionShapes/btConvexShape.h>
 
 #include <algorithm>
+#include <initializer_list>
 #include <new>
 #include <vector>
 
@@ -117,11 +118,24 @@ qcStatus ForEach(const btCollisionWorld& world, const qcCastDef& def, size_t cou
     return qc_statusOk;
 }
 
-template <typename Query>
-bool IsValid(const btCollisionWorld* world, const Query* queries, size_t count, const qcCastHit* hits)
+/// An argument and its name.
+struct Pointer
 {
-    return world != nullptr && queries != nullptr && hits != nullptr &&
-           std::all_of(queries, queries + count, [](const Query& query) { return IsFinite(query); });
+    const char* name;
+    const void* value;
+};
+
+/// Fails, with a message, if a pointer is null or a query not finite.
+template <typename Query>
+qcStatus Check(const char* function, std::initializer_list<Pointer> pointers, const Query* queries, size_t count)
+{
+    for (const Pointer& pointer : pointers)
+        if (pointer.value == nullptr)
+            return qcFail(qc_statusBadInput, "%s: %s is null", function, pointer.name);
+    for (size_t i = 0; i < count; i++)
+        if (!IsFinite(queries[i]))
+            return qcFail(qc_statusBadInput, "%s: a coordinate of query %zu is not finite", function, i);
+    return qc_statusOk;
 }
 } // namespace
 
@@ -131,13 +145,14 @@ try
 {
     if (count == 0)
         return qc_statusOk;
-    if (!IsValid(world, rays, count, hits))
-        return qc_statusBadInput;
+    qcStatus status = Check("qcCastRays", {{"world", world}, {"rays", rays}, {"hits", hits}}, rays, count);
+    if (status != qc_statusOk)
+        return status;
     return ForEach(*world, def, count, hits, [&](size_t i) { return CastOne(*world, rays[i], def); });
 }
 catch (const std::bad_alloc&)
 {
-    return qc_statusOutOfMemory;
+    return qcFail(qc_statusOutOfMemory, "qcCastRays: out of memory");
 }
 
 qcStatus qcCastShape(const btCollisionWorld* world, const btConvexShape* shape, const qcSweep* sweeps, size_t count,
@@ -146,11 +161,13 @@ try
 {
     if (count == 0)
         return qc_statusOk;
-    if (shape == nullptr || !IsValid(world, sweeps, count, hits))
-        return qc_statusBadInput;
+    qcStatus status =
+        Check("qcCastShape", {{"world", world}, {"shape", shape}, {"sweeps", sweeps}, {"hits", hits}}, sweeps, count);
+    if (status != qc_statusOk)
+        return status;
     return ForEach(*world, def, count, hits, [&](size_t i) { return CastOne(*world, *shape, sweeps[i], def); });
 }
 catch (const std::bad_alloc&)
 {
-    return qc_statusOutOfMemory;
+    return qcFail(qc_statusOutOfMemory, "qcCastShape: out of memory");
 }

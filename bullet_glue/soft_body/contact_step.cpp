@@ -595,9 +595,10 @@ qcStatus qcSoftBodyContact::setSettings(const btSoftBody* body, const qcSoftBody
     const btScalar friction = settings.friction == -1 ? btScalar(0) : settings.friction;
     for (btScalar value : {settings.thickness, friction})
         if (!(value >= 0 && std::isfinite(value)))
-            return qc_statusBadInput;
+            return qcFail(qc_statusBadInput, "qcSoftBodyContact::setSettings: thickness or friction is %g",
+                          double(value));
     if (body == nullptr)
-        return qc_statusBadInput;
+        return qcFail(qc_statusBadInput, "qcSoftBodyContact::setSettings: body is null");
     m_implementation->scene.SetSettings(body, settings);
     return qc_statusOk;
 }

@@ -63,6 +63,10 @@ typedef enum qcStatus
 /// The message of this thread's last call that failed. Never null. Valid until the thread's next failing call.
 QC_API const char* qcLastMessage(void);
 
+/// Fails a call of a layer over this library, such as the parts for Bullet: the printf-style message, cut after 511
+/// bytes, becomes this thread's qcLastMessage. Returns `status`.
+__attribute__((format(printf, 2, 3))) QC_API qcStatus qcFail(qcStatus status, const char* format, ...);
+
 /// The name of a status, such as "bad input". Never null; static.
 QC_API const char* qcStatus_Name(qcStatus status);
 

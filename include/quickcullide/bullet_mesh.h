@@ -85,7 +85,7 @@ ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
     qcMeshShape& operator=(const qcMeshShape&) = delete;
 
     /// qc_statusBadInput, and the mesh is empty: an index was out of range, a position not finite, a pointer null
-    /// although its count is not 0, or the stride less than a position. qcLastMessage has no details.
+    /// although its count is not 0, or the stride less than a position. After the constructor qcLastMessage names it.
     qcStatus getStatus() const;
 
     uint32_t getVertexCount() const;   ///< the number of vertices

@@ -58,7 +58,7 @@ struct qcCastDef
 /// rayTest finds, whatever the number of threads. O(count) memory.
 ///
 /// qc_statusBadInput: a pointer is null although count > 0, or a coordinate is not finite.
-/// qc_statusOutOfMemory: an allocation failed. In both cases no hit is written, and qcLastMessage has no details.
+/// qc_statusOutOfMemory: an allocation failed. In both cases no hit is written.
 ///
 /// Thread-safety: call it where rayTest may be called: between steps, on one thread or on several at once; nothing may
 /// change the world meanwhile. Several threads are used if the world's broadphase is a qcBroadphase; set

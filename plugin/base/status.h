@@ -4,9 +4,6 @@
 
 #include "quickcullide/base.h"
 
-/// Stores a printf-style message for qcLastMessage and returns `status`.
-__attribute__((format(printf, 2, 3))) qcStatus qcFail(qcStatus status, const char* format, ...);
-
 /// qc_statusOutOfMemory, with a message that gives the size and the purpose of the memory.
 qcStatus qcFailMemory(size_t size, const char* purpose);
 

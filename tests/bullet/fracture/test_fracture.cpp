@@ -92,6 +92,7 @@ void ExpectRefusal(const qcFractureDef& def, const char* part)
     ck_assert_uint_eq(fracture.pieces.size(), 0);
     ck_assert_msg(fracture.message.find(part) != std::string::npos, "\"%s\" does not say \"%s\"",
                   fracture.message.c_str(), part);
+    ck_assert_str_eq(qcLastMessage(), fracture.message.c_str());
 }
 } // namespace
 

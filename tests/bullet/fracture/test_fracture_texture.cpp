@@ -222,6 +222,7 @@ START_TEST(a_texture_of_another_mesh_is_refused)
     ck_assert_int_eq(refused.status, qc_statusBadInput);
     ck_assert_str_eq(refused.message.c_str(), "qcTexturePiece: 71 texture coordinates for a mesh of 12 triangles, "
                                               "which has six a triangle");
+    ck_assert_str_eq(qcLastMessage(), refused.message.c_str());
     texture = LinearTexture(def);
     texture.materials.push_back(0);
     ck_assert_int_eq(qcTexturePiece(def, piece, texture).status, qc_statusBadInput);

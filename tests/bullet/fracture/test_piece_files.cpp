@@ -250,9 +250,12 @@ START_TEST(no_path_is_refused)
     const qcFracture fracture = qcFracture_Load(nullptr);
     ck_assert_int_eq(fracture.status, qc_statusBadInput);
     ck_assert_str_eq(fracture.message.c_str(), "qcFracture_Load: path is null");
+    ck_assert_str_eq(qcLastMessage(), fracture.message.c_str());
     std::string message;
     ck_assert_int_eq(qcFracture_Save(fracture, nullptr, &message), qc_statusBadInput);
     ck_assert_str_eq(message.c_str(), "qcFracture_Save: path is null");
+    ck_assert_int_eq(qcFracture_Save(fracture, nullptr), qc_statusBadInput);
+    ck_assert_str_eq(qcLastMessage(), message.c_str());
 }
 END_TEST
 

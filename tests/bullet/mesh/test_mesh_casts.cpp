@@ -443,15 +443,20 @@ START_TEST(bad_input_of_a_batch_is_refused_and_nothing_is_written)
         hit.triangle = 77;
     rays[33].to[1] = std::numeric_limits<btScalar>::quiet_NaN();
     ck_assert(qcCastRays(&mesh.world, rays.data(), 40, hits.data()) == qc_statusBadInput);
+    ck_assert_str_eq(qcLastMessage(), "qcCastRays: a coordinate of query 33 is not finite");
     ck_assert(qcCastRays(nullptr, rays.data(), 33, hits.data()) == qc_statusBadInput);
+    ck_assert_str_eq(qcLastMessage(), "qcCastRays: world is null");
     ck_assert(qcCastRays(&mesh.world, nullptr, 33, hits.data()) == qc_statusBadInput);
     ck_assert(qcCastRays(&mesh.world, rays.data(), 33, nullptr) == qc_statusBadInput);
+    ck_assert_str_eq(qcLastMessage(), "qcCastRays: hits is null");
     ck_assert(qcCastRays(&mesh.world, nullptr, 0, nullptr) == qc_statusOk);
     btSphereShape ball(1);
     std::vector<qcSweep> sweeps(2);
     ck_assert(qcCastShape(&mesh.world, nullptr, sweeps.data(), 2, hits.data()) == qc_statusBadInput);
+    ck_assert_str_eq(qcLastMessage(), "qcCastShape: shape is null");
     sweeps[1].to.getBasis()[2][0] = std::numeric_limits<btScalar>::infinity();
     ck_assert(qcCastShape(&mesh.world, &ball, sweeps.data(), 2, hits.data()) == qc_statusBadInput);
+    ck_assert_str_eq(qcLastMessage(), "qcCastShape: a coordinate of query 1 is not finite");
     for (const qcCastHit& hit : hits)
         ck_assert_int_eq(hit.triangle, 77);
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 // After the standard headers: check defines a macro named fail.
 #include "support/suite.h"
@@ -67,6 +68,7 @@ START_TEST(moments_that_a_btscalar_can_not_hold_are_0_with_a_status)
         auto shape = BoxAt(scale, 0, 0, 0).MakeShape();
         qcMassProperties mass = shape->getMassProperties();
         ck_assert_int_eq(mass.status, qc_statusBadInput);
+        ck_assert_ptr_nonnull(std::strstr(qcLastMessage(), "is out of range"));
         ck_assert(mass.closed);
         if (s_isFloat)
             CheckVolume(mass, scale);

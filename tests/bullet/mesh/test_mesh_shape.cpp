@@ -437,8 +437,11 @@ START_TEST(arrays_that_can_not_be_read_are_refused)
     };
     ck_assert_int_eq(statusOf(corners, sizeof corners[0], indices), qc_statusOk);
     ck_assert_int_eq(statusOf(nullptr, sizeof corners[0], indices), qc_statusBadInput);
+    ck_assert_str_eq(qcLastMessage(), "qcMeshShape: positions is null for 3 vertices");
     ck_assert_int_eq(statusOf(corners, sizeof corners[0], nullptr), qc_statusBadInput);
+    ck_assert_str_eq(qcLastMessage(), "qcMeshShape: indices is null for 1 triangles");
     ck_assert_int_eq(statusOf(corners, 3 * sizeof(btScalar) - 1, indices), qc_statusBadInput);
+    ck_assert_ptr_nonnull(std::strstr(qcLastMessage(), "qcMeshShape: stride is "));
     ck_assert_int_eq(qcMeshShape(nullptr, qcBulletPositions, 0, 0, nullptr, 0).getStatus(), qc_statusOk);
 }
 END_TEST
@@ -450,10 +453,12 @@ START_TEST(invalid_meshes_are_refused_and_empty)
     qcModel bad = model;
     bad.indices[5] = uint32_t(bad.positions.size() / 3);
     ck_assert_int_eq(bad.MakeShape()->getStatus(), qc_statusBadInput);
+    ck_assert_ptr_nonnull(std::strstr(qcLastMessage(), "qcMeshShape: index 2 of triangle 1 is "));
     bad = model;
     bad.positions[7] = std::numeric_limits<btScalar>::quiet_NaN();
     auto shape = bad.MakeShape();
     ck_assert_int_eq(shape->getStatus(), qc_statusBadInput);
+    ck_assert_str_eq(qcLastMessage(), "qcMeshShape: the position of vertex 2 is not finite");
     ck_assert_uint_eq(shape->getTriangleCount(), 0);
     Collector none(&model);
     btVector3 far(10, 10, 10), inertia;

@@ -384,12 +384,14 @@ START_TEST(settings_that_make_no_sense_are_refused_and_change_nothing)
     settings.thickness = btScalar(0.02);
     ck_assert_int_eq(world.softSolver.setSettings(cloth, settings), qc_statusOk);
     ck_assert_int_eq(world.softSolver.setSettings(nullptr, settings), qc_statusBadInput);
+    ck_assert_str_eq(qcLastMessage(), "qcSoftBodyContact::setSettings: body is null");
     for (btScalar value : {btScalar(-2), btScalar(-0.5), btScalar(NAN), btScalar(INFINITY)})
         for (btScalar qcSoftBodySettings::*field : {&qcSoftBodySettings::thickness, &qcSoftBodySettings::friction})
         {
             qcSoftBodySettings wrong = settings;
             wrong.*field = value;
             ck_assert_int_eq(world.softSolver.setSettings(cloth, wrong), qc_statusBadInput);
+            ck_assert_ptr_nonnull(std::strstr(qcLastMessage(), "thickness or friction is "));
         }
     world.Step();
     ck_assert(world.softSolver.getSettings(cloth).thickness == settings.thickness);
