@@ -20,6 +20,9 @@ struct qcBroadphase::Data : qcPairCacheSync
 
 namespace
 {
+/// Squared distance of the ends of two paths, relative to the squared length: nearer ends are swept as they are.
+constexpr double s_sharePath = 1e-10;
+
 /// The path of a box cast: its ends, and the extents of the box.
 struct Path
 {
@@ -51,7 +54,7 @@ Path MakePath(const btVector3& rayFrom, const btVector3& rayTo, const btBroadpha
               const btVector3& aabbMin, const btVector3& aabbMax)
 {
     Path path;
-    double far[3], near[3], farLength = 0, nearLength = 0, along = 0;
+    double far[3], near[3], farLength = 0, nearLength = 0;
     for (int k = 0; k < 3; k++)
     {
         path.from[k] = double(rayFrom[k]);
@@ -72,9 +75,15 @@ Path MakePath(const btVector3& rayFrom, const btVector3& rayTo, const btBroadpha
         std::swap(near, far);
         std::swap(nearLength, farLength);
     }
+    double along = 0, apart = 0, share = 1;
     for (int k = 0; k < 3; k++)
+    {
         along += near[k] * far[k];
-    double share = farLength > 0 ? std::min(std::max(along / farLength, 0.0), 1.0) : 0.0;
+        apart += (near[k] - far[k]) * (near[k] - far[k]);
+    }
+    // Mostly both paths are the same but for rounding, and no quotient is needed.
+    if (apart > s_sharePath * farLength)
+        share = std::min(std::max(along / farLength, 0.0), 1.0);
     for (int k = 0; k < 3; k++)
     {
         // The second term bounds the rounding of the first term and of the new end.

@@ -1,5 +1,5 @@
 // Eight boxes side by side, and the loops over them, compiled once for each instruction set and chosen at run time.
-// Results do not depend on the instruction set: there are comparisons only.
+// Results do not depend on the instruction set: there are comparisons, and for casts the same IEEE operations.
 #ifndef QC_BROADPHASE_BOX_KERNELS_H
 #define QC_BROADPHASE_BOX_KERNELS_H
 
@@ -44,6 +44,18 @@ static inline qcFloatBox qcOctet_Around(const qcOctet* octet)
     return around;
 }
 
+/// The path of a moving box, in floats that are rounded outwards: no box that it hits is missed.
+typedef struct qcFloatCast
+{
+    qcFloatBox path;      ///< contains the whole path
+    float lowerOffset[3]; ///< at least the start plus the moving box's upper extent
+    float upperOffset[3]; ///< at most the start plus the moving box's lower extent
+    float inverse[3];     ///< of the direction; 0: no slab in this axis
+} qcFloatCast;
+
+/// 16 u, u = 2^-24: see plugin/docs/proofs/box_casts.md.
+#define QC_FLOAT_CAST_TOLERANCE 0x1p-20f
+
 static inline bool qcFloatBox_Overlap(const qcFloatBox* a, const qcFloatBox* b)
 {
     return (a->lower[0] <= b->upper[0]) & (a->upper[0] >= b->lower[0]) & (a->lower[1] <= b->upper[1]) &
@@ -70,6 +82,9 @@ typedef struct qcBoxKernels
 {
     /// A bit for each lane that overlaps the box.
     uint32_t (*overlap)(const qcOctet* octet, const qcFloatBox* box);
+    /// A bit for each lane that a cast may hit up to a fraction of its path, and lower bounds of the fractions at which
+    /// it hits these lanes.
+    uint32_t (*cast)(const qcOctet* octet, const qcFloatCast* cast, float fraction, float entries[qc_lanes]);
     /// Finds the octets of level 0, from `first` on, with a box that overlaps a box of the query octet. Returns the
     /// number of hits. `hits` has room for one per octet of level 0.
     size_t (*findOverlaps)(const qcOctet* octet, const qcOctetTree* tree, uint32_t first, qcOctetHit* hits);

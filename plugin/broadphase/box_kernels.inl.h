@@ -2,6 +2,7 @@
 //   Lanes          an octet in registers
 //   LoadLanes      loads it from memory
 //   OverlapLanes   a bit for each lane that overlaps a box
+//   CastLanes      a bit for each lane of an octet in memory whose slabs a cast hits
 //
 // No overlap is missed: a lane of a level contains all that lies below it (minimum and maximum, no arithmetic), so
 // boxes that overlap have overlapping lanes on every level. NaN fails every comparison: an empty lane overlaps nothing.
@@ -21,6 +22,11 @@ QC_INLINE uint32_t OverlapOctet(const qcOctet* octet, const qcFloatBox* box)
 static uint32_t Overlap(const qcOctet* octet, const qcFloatBox* box)
 {
     return OverlapOctet(octet, box);
+}
+
+static uint32_t CastOctet(const qcOctet* octet, const qcFloatCast* cast, float fraction, float entries[qc_lanes])
+{
+    return OverlapOctet(octet, &cast->path) & CastLanes(octet, cast, fraction, entries);
 }
 
 QC_INLINE qcFloatBox LaneOf(const qcOctet* octet, uint32_t lane)

@@ -31,6 +31,25 @@ static inline uint32_t OverlapLanes(const Lanes* lanes, const qcFloatBox* box)
     return (uint32_t)_mm256_movemask_ps(overlap);
 }
 
+static inline uint32_t CastLanes(const qcOctet* octet, const qcFloatCast* cast, float fraction, float entries[qc_lanes])
+{
+    __m256 enter = _mm256_setzero_ps(), leave = _mm256_set1_ps(fraction);
+    for (int k = 0; k < 3; k++)
+    {
+        if (cast->inverse[k] == 0.0f)
+            continue;
+        __m256 inverse = _mm256_set1_ps(cast->inverse[k]);
+        __m256 low = _mm256_sub_ps(_mm256_loadu_ps(octet->lower[k]), _mm256_set1_ps(cast->lowerOffset[k]));
+        __m256 high = _mm256_sub_ps(_mm256_loadu_ps(octet->upper[k]), _mm256_set1_ps(cast->upperOffset[k]));
+        bool forward = cast->inverse[k] > 0.0f;
+        enter = _mm256_max_ps(_mm256_mul_ps(forward ? low : high, inverse), enter);
+        leave = _mm256_min_ps(_mm256_mul_ps(forward ? high : low, inverse), leave);
+    }
+    _mm256_storeu_ps(entries, _mm256_mul_ps(enter, _mm256_set1_ps(1.0f - QC_FLOAT_CAST_TOLERANCE)));
+    __m256 end = _mm256_add_ps(leave, _mm256_set1_ps(QC_FLOAT_CAST_TOLERANCE));
+    return (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(enter, end, _CMP_NGT_UQ));
+}
+
 #include "broadphase/box_kernels.inl.h"
 
-const qcBoxKernels qcBoxKernels_avx2 = {Overlap, FindOverlaps};
+const qcBoxKernels qcBoxKernels_avx2 = {Overlap, CastOctet, FindOverlaps};

@@ -12,10 +12,10 @@ typedef struct Cast
 {
     double from[3], castLower[3], castUpper[3];
     double pathLower[3], pathUpper[3]; ///< AABB of the whole path
-    qcFloatBox pathBox;                ///< the smallest box of floats that contains it
     double inverse[3];                 ///< of the direction; 0: no slab in this axis
     double magnitude[3];               ///< |from| + the larger cast extent: scales the rounding error
     const double* fraction;
+    qcFloatCast floats; ///< the same, for the boxes of the forest
 } Cast;
 
 /// The lower of two numbers, or NaN if one of them is: then no comparison rejects a box.
@@ -29,27 +29,47 @@ static double UpperOrNan(double a, double b)
     return a > b ? a : b >= a ? b : NAN;
 }
 
-__attribute__((noinline)) static Cast PrepareCast(const double from[3], const double to[3], const double castLower[3],
-                                                  const double castUpper[3], const double* fraction)
+/// A float that is at most the number; NaN is unbounded. Faster than the largest such float.
+static float FloatBelow(double number)
+{
+    return isnan(number) ? -INFINITY : (float)(number - 0x1p-22 * fabs(number) - (double)FLT_MIN);
+}
+
+static float FloatAbove(double number)
+{
+    return isnan(number) ? INFINITY : (float)(number + 0x1p-22 * fabs(number) + (double)FLT_MIN);
+}
+
+static void PrepareFloats(Cast* cast, int k)
+{
+    qcFloatCast* floats = &cast->floats;
+    floats->path.lower[k] = FloatBelow(cast->pathLower[k]);
+    floats->path.upper[k] = FloatAbove(cast->pathUpper[k]);
+    floats->lowerOffset[k] = FloatAbove(cast->from[k] + cast->castUpper[k]);
+    floats->upperOffset[k] = FloatBelow(cast->from[k] + cast->castLower[k]);
+    double inverse = fabs(cast->inverse[k]);
+    bool isSlab = inverse >= (double)FLT_MIN && inverse <= (double)FLT_MAX && isfinite(floats->lowerOffset[k]) &&
+                  isfinite(floats->upperOffset[k]);
+    floats->inverse[k] = isSlab ? (float)cast->inverse[k] : 0.0f;
+}
+
+__attribute__((noinline)) static void PrepareCast(const double from[3], const double to[3], const double castLower[3],
+                                                  const double castUpper[3], const double* fraction, Cast* cast)
 {
     static const double wholePath = 1.0;
-    Cast cast = {.fraction = fraction != NULL ? fraction : &wholePath};
-    qcBounds unbounded; ///< the path, with NaN made infinite
+    cast->fraction = fraction != NULL ? fraction : &wholePath;
     for (int k = 0; k < 3; k++)
     {
-        cast.from[k] = from[k];
-        cast.castLower[k] = castLower[k];
-        cast.castUpper[k] = castUpper[k];
-        cast.pathLower[k] = LowerOrNan(from[k], to[k]) + castLower[k];
-        cast.pathUpper[k] = UpperOrNan(from[k], to[k]) + castUpper[k];
+        cast->from[k] = from[k];
+        cast->castLower[k] = castLower[k];
+        cast->castUpper[k] = castUpper[k];
+        cast->pathLower[k] = LowerOrNan(from[k], to[k]) + castLower[k];
+        cast->pathUpper[k] = UpperOrNan(from[k], to[k]) + castUpper[k];
         double direction = to[k] - from[k], length = fabs(direction);
-        cast.inverse[k] = length >= DBL_MIN && length <= 0x1p1021 ? 1.0 / direction : 0.0;
-        cast.magnitude[k] = fabs(from[k]) + qcUpper(fabs(castLower[k]), fabs(castUpper[k]));
-        unbounded.lower[k] = isnan(cast.pathLower[k]) ? -INFINITY : cast.pathLower[k];
-        unbounded.upper[k] = isnan(cast.pathUpper[k]) ? INFINITY : cast.pathUpper[k];
+        cast->inverse[k] = length >= DBL_MIN && length <= 0x1p1021 ? 1.0 / direction : 0.0;
+        cast->magnitude[k] = fabs(from[k]) + qcUpper(fabs(castLower[k]), fabs(castUpper[k]));
+        PrepareFloats(cast, k);
     }
-    (void)qcFloatBox_Enclose(&cast.pathBox, unbounded.lower, unbounded.upper);
-    return cast;
 }
 
 /// Slab test. `*entry`: a lower bound of the fraction of the path at which the box is hit.
@@ -85,9 +105,10 @@ typedef struct CastNode
 
 enum
 {
-    // Boxes of the list that are sorted together, by entry.
-    qc_listStep = 64,
-    qc_castStack = 7 * qc_treeLevels + qc_forestTrees + qc_listStep + qc_lanes
+    // Octets of the list whose boxes are sorted together, by entry.
+    qc_listStep = 8,
+    // A popped node pushes at most eight of the level below; or boxes of the list lie there.
+    qc_castStack = 7 * qc_treeLevels + 1 + qc_lanes * qc_listStep
 };
 
 typedef struct CastStack
@@ -118,31 +139,39 @@ static void PushBox(const qcBoxes* boxes, const Cast* cast, CastStack* stack, ui
         stack->nodes[stack->count++] = node;
 }
 
+/// The lanes of an octet that may be hit, and when.
+static uint32_t CastOctet(const qcBoxes* boxes, const Cast* cast, const qcOctet* octet, float entries[qc_lanes])
+{
+    // Rounding to nearest is within the tolerance.
+    return boxes->forest.kernels->cast(octet, &cast->floats, (float)*cast->fraction, entries);
+}
+
 /// Pushes the children of a node that are hit.
 static void PushChildren(const qcBoxes* boxes, const Cast* cast, CastStack* stack, const CastNode* parent)
 {
     const qcOctetTree* shape = &parent->tree->shape;
-    const qcOctet* octet = &shape->octets[shape->first[parent->level] + parent->octet];
-    uint32_t lanes = boxes->forest.kernels->overlap(octet, &cast->pathBox), first = stack->count;
+    uint32_t first = stack->count;
+    float entries[qc_lanes];
+    uint32_t lanes = CastOctet(boxes, cast, &shape->octets[shape->first[parent->level] + parent->octet], entries);
     for (; lanes != 0; lanes &= lanes - 1)
     {
         uint32_t lane = (uint32_t)__builtin_ctz(lanes), below = qc_lanes * parent->octet + lane;
         if (parent->level == 0)
-        {
             PushBox(boxes, cast, stack, QC_AT(uint32_t, parent->tree->ids, below));
-            continue;
-        }
-        double lower[3], upper[3];
-        for (int k = 0; k < 3; k++)
-        {
-            lower[k] = (double)octet->lower[k][lane];
-            upper[k] = (double)octet->upper[k][lane];
-        }
-        CastNode node = {parent->tree, parent->level - 1, below, 0.0};
-        if (HitsBounds(cast, lower, upper, &node.entry))
-            stack->nodes[stack->count++] = node;
+        else
+            stack->nodes[stack->count++] = (CastNode){parent->tree, parent->level - 1, below, (double)entries[lane]};
     }
     SortNearestLast(stack, first);
+}
+
+/// Pushes the boxes of an octet of the list that are hit.
+static void PushListed(const qcBoxes* boxes, const Cast* cast, CastStack* stack, size_t octet)
+{
+    const qcForest* forest = &boxes->forest;
+    float entries[qc_lanes];
+    uint32_t lanes = CastOctet(boxes, cast, &QC_AT(qcOctet, forest->listOctets, octet), entries);
+    for (; lanes != 0; lanes &= lanes - 1)
+        PushBox(boxes, cast, stack, QC_AT(uint32_t, forest->listIds, qc_lanes * octet + (size_t)__builtin_ctz(lanes)));
 }
 
 /// Pops until the stack is empty. Returns false if the function stops the query.
@@ -167,22 +196,18 @@ __attribute__((noinline)) static void CastBox(const qcBoxes* boxes, const Cast* 
     const qcForest* forest = &boxes->forest;
     CastStack stack;
     stack.count = 0;
-    for (uint64_t trees = forest->staticTrees | forest->dynamicTrees; trees != 0;)
+    bool more = true;
+    for (uint64_t trees = forest->staticTrees | forest->dynamicTrees; more && trees != 0;)
     {
         const qcBoxTree* tree = &forest->trees[qcForest_NextTree(&trees)];
-        CastNode root = {tree, tree->shape.levelCount - 1, 0, 0.0};
-        qcFloatBox around = qcOctet_Around(&tree->shape.octets[tree->shape.first[root.level]]);
-        double lower[3] = {(double)around.lower[0], (double)around.lower[1], (double)around.lower[2]};
-        double upper[3] = {(double)around.upper[0], (double)around.upper[1], (double)around.upper[2]};
-        if (HitsBounds(cast, lower, upper, &root.entry))
-            stack.nodes[stack.count++] = root;
+        stack.nodes[stack.count++] = (CastNode){tree, tree->shape.levelCount - 1, 0, 0.0};
+        more = VisitStack(boxes, cast, &stack, host);
     }
-    SortNearestLast(&stack, 0);
-    bool more = VisitStack(boxes, cast, &stack, host);
-    for (size_t i = 0; more && i < forest->listIds.count; i++)
+    size_t octets = (forest->listIds.count + qc_lanes - 1) / qc_lanes;
+    for (size_t i = 0; more && i < octets; i++)
     {
-        PushBox(boxes, cast, &stack, QC_AT(uint32_t, forest->listIds, i));
-        if ((i + 1) % qc_listStep != 0 && i + 1 < forest->listIds.count)
+        PushListed(boxes, cast, &stack, i);
+        if ((i + 1) % qc_listStep != 0 && i + 1 < octets)
             continue;
         SortNearestLast(&stack, 0);
         more = VisitStack(boxes, cast, &stack, host);
@@ -195,7 +220,8 @@ void qcBoxes_CastBox(const qcBoxes* boxes, const double from[3], const double to
     if (qcBoxes_GetCount(boxes) == 0)
         return;
     qcHostFunction host = {function, context, qcFloatMode_Begin()};
-    Cast cast = PrepareCast(from, to, castLower, castUpper, fraction);
+    Cast cast;
+    PrepareCast(from, to, castLower, castUpper, fraction, &cast);
     CastBox(boxes, &cast, &host);
     qcFloatMode_End(host.mode);
 }

@@ -79,6 +79,55 @@ START_TEST(every_kernel_finds_what_brute_force_finds)
 }
 END_TEST
 
+/// A path among the boxes of GrowTree; some of its axes have no slab.
+static qcFloatCast MakeCast(qcRandom* random)
+{
+    qcFloatCast cast;
+    for (int k = 0; k < 3; k++)
+    {
+        double from = (double)qcRandom_Integer(random, -4, 40) / 4.0,
+               to = (double)qcRandom_Integer(random, -4, 40) / 4.0;
+        cast.path.lower[k] = (float)fmin(from, to);
+        cast.path.upper[k] = (float)fmax(from, to);
+        cast.lowerOffset[k] = (float)(from + (double)qcRandom_Below(random, 2) / 3.0);
+        cast.upperOffset[k] = (float)from;
+        cast.inverse[k] = from != to && qcRandom_Below(random, 10) != 0 ? (float)(1.0 / (to - from)) : 0.0f;
+    }
+    return cast;
+}
+
+START_TEST(every_kernel_casts_with_the_same_result_to_the_last_bit)
+{
+    qcForest forest = {0};
+    const qcBoxTree* tree = &forest.trees[GrowTree(&forest, 5, 513, true)];
+    qcRandom random = {6};
+    uint32_t hits = 0, misses = 0;
+    for (uint32_t i = 0; i < 20000; i++)
+    {
+        const qcOctet* octet = &tree->shape.octets[i % (tree->laneCount / qc_lanes)];
+        qcFloatCast cast = MakeCast(&random);
+        float fraction = (float)qcRandom_Below(&random, 5) / 4.0f, entries[2][qc_lanes];
+        uint32_t lanes = qcBoxKernels_Nth(0)->cast(octet, &cast, fraction, entries[0]);
+        // Lanes that overlap the path as a whole are culled by their slabs alone.
+        uint32_t overlapping = qcBoxKernels_Nth(0)->overlap(octet, &cast.path);
+        ck_assert_uint_eq(lanes & ~overlapping, 0);
+        hits += (uint32_t)__builtin_popcount(lanes);
+        misses += (uint32_t)__builtin_popcount(overlapping & ~lanes);
+        const qcBoxKernels* kernels;
+        for (size_t n = 1; (kernels = qcBoxKernels_Nth(n)) != NULL; n++)
+        {
+            ck_assert_uint_eq(kernels->cast(octet, &cast, fraction, entries[1]), lanes);
+            for (int lane = 0; lane < qc_lanes; lane++)
+                if ((lanes >> lane & 1) != 0)
+                    ck_assert_mem_eq(&entries[0][lane], &entries[1][lane], sizeof(float));
+        }
+    }
+    ck_assert_uint_gt(hits, 1000);
+    ck_assert_uint_gt(misses, 1000);
+    qcForest_Free(&forest);
+}
+END_TEST
+
 START_TEST(a_box_of_floats_is_the_smallest_around_a_box)
 {
     static const double values[] = {0.0,    -0.0,  1.0,    0.1,      -0.1,      1e-310,   -1e-310,  1e300,
@@ -213,6 +262,7 @@ START_TEST(a_search_with_very_few_moves_builds_no_tree)
 }
 END_TEST
 
-QC_RUN_TESTS("box forest", every_kernel_finds_what_brute_force_finds, a_box_of_floats_is_the_smallest_around_a_box,
+QC_RUN_TESTS("box forest", every_kernel_finds_what_brute_force_finds,
+             every_kernel_casts_with_the_same_result_to_the_last_bit, a_box_of_floats_is_the_smallest_around_a_box,
              build_order_keeps_every_item_and_neighbours_together, a_search_without_moves_does_nothing,
              a_search_with_few_moves_leaves_the_rest_alone, a_search_with_very_few_moves_builds_no_tree)
