@@ -32,7 +32,7 @@ echo "== each header alone"
 parse_with()
 {
     # shellcheck disable=SC2046 # Flags are words.
-    "$CXX" -std=c++17 -pedantic-errors -Wall -Wextra -Werror -I"$prefix/include" \
+    "$CXX" -std=c++11 -pedantic-errors -Wall -Wextra -Werror -I"$prefix/include" \
         $(pkg-config --cflags "$1" | sed 's/-I/-isystem /g') -fsyntax-only "$2"
 }
 # Headers depend on the precision of Bullet, not on the component.
@@ -86,6 +86,18 @@ if [ -f "$prefix/bin/qc-pairs" ]; then
     "$prefix/bin/qc-pairs" --help >/dev/null
     "$prefix/bin/qc-replay" --help >/dev/null
 fi
+
+echo "== the licence, the manual and its programs"
+manual=$prefix/share/doc/quickcullide
+cmp "$source/LICENSE" "$manual/LICENSE"
+for file in README.md plugin/docs/bullet.md plugin/docs/proofs/preload.md demos/cloth/cloth.png; do
+    cmp "$source/$file" "$manual/$file"
+done
+"$CC" "$manual/demos/hello/core.c" -I"$prefix/include" -fsyntax-only
+for program in "$manual"/demos/hello/*.cpp; do
+    # shellcheck disable=SC2046 # Flags are words.
+    [ -z "$alone" ] || "$CXX" -std=c++14 "$program" -I"$prefix/include" $(pkg-config --cflags "$alone") -fsyntax-only
+done
 
 echo "== through CMake"
 components=$(printf '%s;' "$@")
