@@ -1,7 +1,7 @@
 // The functions of btDbvtBroadphase over a qcBroadphase. Preloaded, they replace those in the distribution's
 // libBulletCollision, for programs that were built without this library:
 //
-//     LD_PRELOAD=libqc-preload.so QC_PRELOAD_STATISTICS=1 PROGRAM
+//     LD_PRELOAD=DIR/lib/libqc-preload.so QC_PRELOAD_STATISTICS=1 PROGRAM
 //
 // Proof that this is safe: plugin/docs/proofs/preload.md.
 #include "quickcullide/bullet_broadphase.h"

@@ -16,6 +16,7 @@ int main()
 
     btSoftBody* cloth = btSoftBodyHelpers::CreatePatch(world.getWorldInfo(), btVector3(-1, 2, -1), btVector3(1, 2, -1),
                                                        btVector3(-1, 2, 1), btVector3(1, 2, 1), 40, 40, 0, true);
+    cloth->m_cfg.piterations = 4; // at Bullet's default of 1 cloth may tremble
     world.addSoftBody(cloth);
     for (int i = 0; i < 10; i++)
         world.stepSimulation(btScalar(1.0 / 60));

@@ -1,4 +1,5 @@
-// Positions in this build of Bullet, for the functions of the core and for qcMeshShape.
+/// @file
+/// Positions in this build of Bullet, for the functions of the core and for qcMeshShape.
 #ifndef QUICKCULLIDE_BULLET_POSITIONS_H
 #define QUICKCULLIDE_BULLET_POSITIONS_H
 
