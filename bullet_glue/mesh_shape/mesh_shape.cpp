@@ -65,7 +65,7 @@ size_t SizeOf(qcPositionType type)
     return 3 * (type == qc_positionF64 ? sizeof(double) : sizeof(float));
 }
 
-/// Of the arguments of a constructor.
+/// Fails, with a message, for arguments of the constructor that can't be read.
 qcStatus CheckArrays(const void* positions, qcPositionType type, size_t stride, uint32_t vertexCount,
                      const uint32_t* indices, uint32_t triangleCount)
 {
