@@ -82,12 +82,32 @@ static qcStatus CountPartners(uint32_t bodyCount, qcBodyPairs* pairs)
     return qc_statusOk;
 }
 
+/// A frame around the median body.
+static qcSweepFrame MakeFrame(const qcStepTriangles* triangles, const qcPcs* pcs, double queryDistance)
+{
+    qcSweepFrame frame = {.margin = queryDistance};
+    double corners[qc_originCorners][3], upper[3];
+    uint32_t count = 0;
+    for (uint32_t part = 0, body = 0; part < qc_originCorners; part++)
+    {
+        // The first body of each part of the bodies.
+        uint32_t end = (uint32_t)((uint64_t)(part + 1) * triangles->bodyCount / qc_originCorners);
+        while (body < end && !IsPresent(triangles, pcs, body))
+            body++;
+        if (body < end)
+            qcStepTriangles_GetBodyBox(triangles, body, corners[count++], upper);
+        body = end;
+    }
+    qcSweepFrame_SetOrigin(&frame, corners, count);
+    return frame;
+}
+
 qcStatus qcBodyPairs_Find(const qcStepTriangles* triangles, const qcPcs* pcs, double queryDistance, qcBodyPairs* pairs,
                           qcProfile* profile)
 {
     pairs->pairs.count = 0;
     QC_TRY(qcArray_Resize(&pairs->boxes, triangles->bodyCount, sizeof(qcSweepBox), "boxes of bodies"));
-    qcSweepFrame frame = {{0.0, 0.0, 0.0}, queryDistance};
+    const qcSweepFrame frame = MakeFrame(triangles, pcs, queryDistance);
     uint32_t count = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
@@ -95,8 +115,6 @@ qcStatus qcBodyPairs_Find(const qcStepTriangles* triangles, const qcPcs* pcs, do
             continue;
         double lower[3], upper[3];
         qcStepTriangles_GetBodyBox(triangles, body, lower, upper);
-        if (count == 0)
-            memcpy(frame.origin, lower, sizeof frame.origin);
         QC_AT(qcSweepBox, pairs->boxes, count++) = qcSweepFrame_Map(&frame, lower, upper, body, body);
     }
     Search search = {triangles, pcs, &pairs->pairs, profile, qc_statusOk};

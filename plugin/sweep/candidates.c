@@ -94,11 +94,30 @@ static void OfferBoxes(void* context, const qcSweepBox* a, const qcSweepBox* b, 
                        &QC_AT(qcCandidateBuffer, search->candidates->buffers, worker));
 }
 
-/// The boxes of the triangles of the PCS, for which there is room.
-static uint32_t FillBoxes(const qcCandidateRules* rules, qcSweepBox* boxes)
+/// A frame around the median triangle of `triangleCount` in all.
+static qcSweepFrame MakeFrame(const qcCandidateRules* rules, size_t triangleCount)
 {
     const qcStepTriangles* t = rules->triangles;
-    qcSweepFrame frame = {{0.0, 0.0, 0.0}, rules->queryDistance};
+    qcSweepFrame frame = {.margin = rules->queryDistance};
+    double corners[qc_originCorners][3], upper[3];
+    uint32_t count = 0;
+    const size_t step = triangleCount / qc_originCorners + 1;
+    size_t first = 0, next = 0;
+    for (uint32_t body = 0; body < t->bodyCount; body++)
+    {
+        size_t end = first + (rules->handledElsewhere[body] ? 0 : qcStepTriangles_Body(t, body)->triangleCount);
+        for (; next < end; next += step)
+            qcStepTriangles_GetTriangleBox(t, body, (uint32_t)(next - first), corners[count++], upper);
+        first = end;
+    }
+    qcSweepFrame_SetOrigin(&frame, corners, count);
+    return frame;
+}
+
+/// The boxes of the triangles of the PCS, for which there is room.
+static uint32_t FillBoxes(const qcCandidateRules* rules, const qcSweepFrame* frame, qcSweepBox* boxes)
+{
+    const qcStepTriangles* t = rules->triangles;
     uint32_t count = 0;
     for (uint32_t body = 0; body < t->bodyCount; body++)
     {
@@ -110,10 +129,7 @@ static uint32_t FillBoxes(const qcCandidateRules* rules, qcSweepBox* boxes)
                 continue;
             double lower[3], upper[3];
             qcStepTriangles_GetTriangleBox(t, body, i, lower, upper);
-            // Any origin is correct; one in the scene loses the least in single precision.
-            if (count == 0)
-                memcpy(frame.origin, lower, sizeof frame.origin);
-            boxes[count++] = qcSweepFrame_Map(&frame, lower, upper, body, first + i);
+            boxes[count++] = qcSweepFrame_Map(frame, lower, upper, body, first + i);
         }
     }
     return count;
@@ -137,7 +153,8 @@ qcStatus qcCandidates_Sweep(const qcCandidateRules* rules, qcCandidates* candida
         return qcCandidates_End(candidates, profile);
     }
     QC_TRY(qcArray_Resize(&candidates->boxes, maxCount, sizeof(qcSweepBox), "boxes of triangles"));
-    uint32_t count = FillBoxes(rules, candidates->boxes.data);
+    const qcSweepFrame frame = MakeFrame(rules, maxCount);
+    uint32_t count = FillBoxes(rules, &frame, candidates->boxes.data);
     Search search = {rules, candidates};
     QC_TRY(qcSweep_FindPairs(&candidates->sweep, candidates->boxes.data, count, rules->threads, OfferBoxes, &search));
     return qcCandidates_End(candidates, profile);

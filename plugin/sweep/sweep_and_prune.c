@@ -1,12 +1,16 @@
 // Sweep and prune (Cohen, Lin, Manocha, Ponamgi: I-COLLIDE, 1995) along one axis, in strips along another: boxes far
-// apart in either axis are never compared. Proof that rounding loses no pair: plugin/docs/proofs/sweep_and_prune.md.
+// apart in either axis are hardly ever compared. A sample chooses axes and strips. Proof that rounding loses no pair:
+// plugin/docs/proofs/sweep_and_prune.md.
 #include "sweep/sweep_and_prune.h"
 
 #include "base/parallel_for.h"
 #include "base/radix_sort.h"
 #include "base/status.h"
 
+#include <float.h>
 #include <math.h>
+#include <stdatomic.h>
+#include <string.h>
 
 qcSweepBox qcSweepFrame_Map(const qcSweepFrame* frame, const double lower[3], const double upper[3], uint32_t body,
                             uint32_t item)
@@ -22,71 +26,157 @@ qcSweepBox qcSweepFrame_Map(const qcSweepFrame* frame, const double lower[3], co
     return box;
 }
 
+void qcSweepFrame_SetOrigin(qcSweepFrame* frame, double (*corners)[3], uint32_t count)
+{
+    for (int axis = 0; axis < 3 && count != 0; axis++)
+    {
+        for (uint32_t i = 1; i < count; i++)
+        {
+            double corner = corners[i][axis];
+            uint32_t at = i;
+            for (; at > 0 && corners[at - 1][axis] > corner; at--)
+                corners[at][axis] = corners[at - 1][axis];
+            corners[at][axis] = corner;
+        }
+        frame->origin[axis] = corners[count / 2][axis];
+    }
+}
+
+enum
+{
+    // Comparing 256 boxes with each other takes as long as sweeping some 500 (10 000 boxes in a plane).
+    qc_maxSample = 256,
+    // The highest number of a strip, and below zero the lowest.
+    qc_maxStrip = 1 << 30
+};
+
+/// Strips repeat: strip `stripCount` shares the entries of strip 0, so that boxes far away need no strips of their own.
 typedef struct Layout
 {
     int sweepAxis, stripAxis, otherAxis;
-    uint32_t stripCount;
-    float stripOrigin, stripsPerUnit;
+    uint32_t stripCount; ///< a power of two
+    float stripsPerUnit;
 } Layout;
 
-/// The strip of a coordinate: monotone, and in range for any coordinate.
-static uint32_t StripOf(const Layout* layout, float x)
+/// The number of the strip of a coordinate: monotone, for any coordinate.
+static int32_t StripOf(const Layout* layout, float x)
 {
-    float strip = (x - layout->stripOrigin) * layout->stripsPerUnit;
-    // NaN (infinity times zero) goes to strip 0, for lower and upper ends alike.
-    if (!(strip >= 1.0f))
-        return 0;
-    return strip < (float)layout->stripCount ? (uint32_t)strip : layout->stripCount - 1;
+    float strip = x * layout->stripsPerUnit;
+    if (!(strip > -(float)qc_maxStrip))
+        return -qc_maxStrip;
+    return strip < (float)qc_maxStrip ? (int32_t)strip : qc_maxStrip;
 }
 
-/// The boxes along one axis.
-typedef struct Extent
+/// The strips of a box: `count` from `first`, modulo the number of strips.
+typedef struct Strips
 {
-    double low, range; ///< of all boxes
-    double size;       ///< of a box, mean
-    double room;       ///< boxes that fit side by side where most of them are: the more, the better the axis separates
-} Extent;
+    uint32_t first, count;
+} Strips;
 
-static Extent FindExtent(const qcSweepBox* boxes, uint32_t count, int axis)
+static Strips StripsOf(const Layout* layout, const qcSweepBox* box)
 {
-    float low = boxes[0].lower[axis], high = boxes[0].upper[axis];
-    double size = 0.0, sum = 0.0, squares = 0.0;
-    for (uint32_t i = 0; i < count; i++)
+    uint32_t first = (uint32_t)StripOf(layout, box->lower[layout->stripAxis]);
+    uint32_t more = (uint32_t)StripOf(layout, box->upper[layout->stripAxis]) - first;
+    return (Strips){first, more < layout->stripCount ? more + 1 : layout->stripCount};
+}
+
+/// Some of the boxes: a few far away or very large among all are few in it too.
+typedef struct Sample
+{
+    uint32_t count;
+    float lower[3][qc_maxSample], upper[3][qc_maxSample];
+} Sample;
+
+static void TakeSample(const qcSweepBox* boxes, uint32_t count, Sample* sample)
+{
+    // An eighth, and at least 16.
+    uint32_t some = count / 8 > 16 ? count / 8 : 16, most = count < qc_maxSample ? count : qc_maxSample;
+    sample->count = some < most ? some : most;
+    for (uint32_t k = 0; k < sample->count; k++)
     {
-        low = fminf(low, boxes[i].lower[axis]);
-        high = fmaxf(high, boxes[i].upper[axis]);
-        size += (double)boxes[i].upper[axis] - (double)boxes[i].lower[axis];
-        double offset = (double)boxes[i].lower[axis] - (double)boxes[0].lower[axis];
-        sum += offset;
-        squares += offset * offset;
+        // Scattered: at equal distances all of them could be of one row of a grid.
+        uint32_t first = (uint32_t)((uint64_t)k * count / sample->count);
+        uint32_t room = (uint32_t)((uint64_t)(k + 1) * count / sample->count) - first;
+        const qcSweepBox* box = &boxes[first + (uint32_t)((uint64_t)(k * 0x9e3779b9u) * room >> 32)];
+        for (int axis = 0; axis < 3; axis++)
+        {
+            sample->lower[axis][k] = box->lower[axis];
+            sample->upper[axis][k] = box->upper[axis];
+        }
     }
-    Extent e = {.low = low, .range = (double)high - (double)low, .size = size / count};
-    // The width of a uniform distribution: sqrt(12) standard deviations. The range would overrate an axis along which a
-    // few outliers lie far from all other boxes. Infinite boxes make it NaN.
-    double mean = sum / count, spread = sqrt(12.0 * fmax(squares / count - mean * mean, 0.0)) + e.size;
-    e.room = e.size > 0.0 && isfinite(spread) ? spread / e.size : e.range > 0.0 ? count : 1.0;
-    return e;
+}
+
+/// The number of pairs that overlap along an axis: the fewer, the better the axis separates.
+static uint32_t CountOverlaps(const Sample* sample, int axis)
+{
+    const float *lower = sample->lower[axis], *upper = sample->upper[axis];
+    uint32_t overlaps = 0;
+    for (uint32_t i = 1; i < sample->count; i++)
+    {
+        float low = lower[i], high = upper[i];
+        for (uint32_t j = 0; j < i; j++)
+            overlaps += (lower[j] <= high) & (low <= upper[j]);
+    }
+    return overlaps;
+}
+
+/// The mean of all values but those more than four times as large as the mean.
+static double TypicalValue(const double* values, uint32_t count)
+{
+    double mean = INFINITY;
+    for (uint32_t kept = count, previous = 0; kept != previous;)
+    {
+        double sum = 0.0, limit = 4.0 * mean;
+        previous = kept;
+        kept = 0;
+        for (uint32_t i = 0; i < count; i++)
+        {
+            sum += values[i] <= limit ? values[i] : 0.0;
+            kept += values[i] <= limit;
+        }
+        mean = sum / kept;
+    }
+    return mean;
+}
+
+/// Strips as wide as two boxes: n boxes of one size have n + n / 2 entries.
+static float StripsPerUnit(const Sample* sample, const Layout* layout)
+{
+    const float *lower = sample->lower[layout->stripAxis], *upper = sample->upper[layout->stripAxis];
+    double sizes[qc_maxSample], distances[qc_maxSample];
+    for (uint32_t i = 0; i < sample->count; i++)
+    {
+        sizes[i] = fmin((double)upper[i] - (double)lower[i], FLT_MAX);
+        distances[i] = fmin(fabs((double)lower[i]), FLT_MAX);
+    }
+    double width = 2.0 * TypicalValue(sizes, sample->count);
+    if (width == 0.0)
+        width = TypicalValue(distances, sample->count) / layout->stripCount;
+    // No zero, even halved 32 times: times infinity it is not a number.
+    return (float)fmax(fmin(1.0 / width, FLT_MAX), 0x1p-90);
 }
 
 static Layout Plan(const qcSweepBox* boxes, uint32_t count)
 {
-    Extent extent[3];
+    Sample sample;
+    TakeSample(boxes, count, &sample);
+    uint32_t overlaps[3];
     for (int axis = 0; axis < 3; axis++)
-        extent[axis] = FindExtent(boxes, count, axis);
-    Layout layout = {.sweepAxis = 0};
+        overlaps[axis] = CountOverlaps(&sample, axis);
+    Layout layout = {.sweepAxis = 0, .stripCount = 1};
     for (int axis = 1; axis < 3; axis++)
-        if (extent[axis].room > extent[layout.sweepAxis].room)
+        if (overlaps[axis] < overlaps[layout.sweepAxis])
             layout.sweepAxis = axis;
     int u = (layout.sweepAxis + 1) % 3, v = (layout.sweepAxis + 2) % 3;
-    layout.stripAxis = extent[u].room >= extent[v].room ? u : v;
-    layout.otherAxis = extent[u].room >= extent[v].room ? v : u;
-    const Extent* across = &extent[layout.stripAxis];
-    // Strips as wide as two boxes: n boxes of any sizes have at most n + n / 2 entries.
-    double strips = fmin(across->range / across->size / 2.0, (double)count);
-    layout.stripCount = strips >= 1.0 ? (uint32_t)strips : 1;
-    layout.stripOrigin = (float)across->low;
-    double perUnit = layout.stripCount / across->range;
-    layout.stripsPerUnit = isfinite(perUnit) && perUnit <= 3e38 ? (float)perUnit : 0.0f;
+    layout.stripAxis = overlaps[u] <= overlaps[v] ? u : v;
+    layout.otherAxis = overlaps[u] <= overlaps[v] ? v : u;
+    // Where boxes are spread evenly over m strips, one in m pairs overlaps along the axis.
+    uint32_t pairs = sample.count * (sample.count - 1) / 2, strips = count;
+    if (overlaps[layout.stripAxis] != 0)
+        strips = pairs / overlaps[layout.stripAxis];
+    while (layout.stripCount < strips && layout.stripCount <= count / 2)
+        layout.stripCount *= 2;
+    layout.stripsPerUnit = StripsPerUnit(&sample, &layout);
     return layout;
 }
 
@@ -97,55 +187,77 @@ typedef struct Job
     const size_t* stripFirst;
     qcSweepFunction* function;
     void* context;
+    atomic_uint_least64_t comparisons;
 } Job;
 
 static void SweepStrip(void* context, size_t strip, uint32_t worker)
 {
-    const Job* job = context;
+    Job* job = context;
     const Layout* layout = &job->layout;
     const int s = layout->sweepAxis, t = layout->stripAxis, o = layout->otherAxis;
     const qcSweepBox* end = job->entries + job->stripFirst[strip + 1];
+    const uint32_t mask = layout->stripCount - 1;
+    uint64_t comparisons = 0;
     for (const qcSweepBox* a = job->entries + job->stripFirst[strip]; a < end; a++)
     {
         float upper = a->upper[s];
-        for (const qcSweepBox* b = a + 1; b < end && b->lower[s] <= upper; b++)
+        const qcSweepBox* b = a + 1;
+        for (; b < end && b->lower[s] <= upper; b++)
         {
             bool overlap = (a->lower[t] <= b->upper[t]) & (b->lower[t] <= a->upper[t]) & (a->lower[o] <= b->upper[o]) &
                            (b->lower[o] <= a->upper[o]);
-            if (overlap && StripOf(layout, fmaxf(a->lower[t], b->lower[t])) == strip)
+            if (overlap && ((uint32_t)StripOf(layout, fmaxf(a->lower[t], b->lower[t])) & mask) == strip)
                 job->function(job->context, a, b, worker);
         }
+        comparisons += (uint64_t)(b - a - 1);
     }
+    atomic_fetch_add_explicit(&job->comparisons, comparisons, memory_order_relaxed);
 }
 
-/// Copies each box into all strips that it overlaps, sorted by lower ends along the sweep axis.
-static qcStatus FillStrips(qcSweep* sweep, const qcSweepBox* boxes, uint32_t count, const Layout* layout)
+/// Counts the entries of each strip in first[strip + 2]. False: they are many more than boxes.
+static bool CountEntries(const qcSweepBox* boxes, uint32_t count, const Layout* layout, size_t* first)
+{
+    const uint32_t mask = layout->stripCount - 1;
+    size_t entries = 0;
+    memset(first, 0, (layout->stripCount + 2) * sizeof *first);
+    for (uint32_t i = 0; i < count && entries <= 3 * (size_t)count; i++)
+    {
+        Strips strips = StripsOf(layout, &boxes[i]);
+        for (uint32_t k = 0; k < strips.count; k++)
+            first[((strips.first + k) & mask) + 2]++;
+        entries += strips.count;
+    }
+    return entries <= 3 * (size_t)count;
+}
+
+/// Copies each box into all strips that it overlaps, sorted by lower ends along the sweep axis. Where many boxes are
+/// much wider than strips, strips become fewer and wider.
+static qcStatus FillStrips(qcSweep* sweep, const qcSweepBox* boxes, uint32_t count, Layout* layout)
 {
     QC_TRY(qcArray_Resize(&sweep->order, count, sizeof(qcSortItem), "sweep order"));
-    QC_TRY(qcArray_Resize(&sweep->stripFirst, layout->stripCount + 2, sizeof(size_t), "sweep strips"));
+    QC_TRY(qcArray_Resize(&sweep->stripFirst, (size_t)layout->stripCount + 2, sizeof(size_t), "sweep strips"));
     qcSortItem* order = sweep->order.data;
     size_t* first = sweep->stripFirst.data;
-    for (size_t s = 0; s < sweep->stripFirst.count; s++)
-        first[s] = 0;
     for (uint32_t i = 0; i < count; i++)
-    {
         order[i] = (qcSortItem){qcSort_FloatKey(boxes[i].lower[layout->sweepAxis]), i};
-        uint32_t last = StripOf(layout, boxes[i].upper[layout->stripAxis]);
-        for (uint32_t s = StripOf(layout, boxes[i].lower[layout->stripAxis]); s <= last; s++)
-            first[s + 2]++;
-    }
     QC_TRY(qcSort_Items(order, count, &sweep->scratch));
-    for (size_t s = 2; s < sweep->stripFirst.count; s++)
+    while (!CountEntries(boxes, count, layout, first))
+    {
+        layout->stripCount /= 2;
+        layout->stripsPerUnit /= 2.0f;
+    }
+    for (size_t s = 2; s < (size_t)layout->stripCount + 2; s++)
         first[s] += first[s - 1];
     QC_TRY(qcArray_Resize(&sweep->entries, first[layout->stripCount + 1], sizeof(qcSweepBox), "sweep entries"));
     qcSweepBox* entries = sweep->entries.data;
+    const uint32_t mask = layout->stripCount - 1;
     // first[s + 1] is the end of strip s while it is filled, and then the begin of strip s + 1.
-    for (uint32_t k = 0; k < count; k++)
+    for (uint32_t i = 0; i < count; i++)
     {
-        const qcSweepBox* box = &boxes[order[k].value];
-        uint32_t last = StripOf(layout, box->upper[layout->stripAxis]);
-        for (uint32_t s = StripOf(layout, box->lower[layout->stripAxis]); s <= last; s++)
-            entries[first[s + 1]++] = *box;
+        const qcSweepBox* box = &boxes[order[i].value];
+        Strips strips = StripsOf(layout, box);
+        for (uint32_t k = 0; k < strips.count; k++)
+            entries[first[((strips.first + k) & mask) + 1]++] = *box;
     }
     return qc_statusOk;
 }
@@ -153,13 +265,15 @@ static qcStatus FillStrips(qcSweep* sweep, const qcSweepBox* boxes, uint32_t cou
 qcStatus qcSweep_FindPairs(qcSweep* sweep, const qcSweepBox* boxes, uint32_t count, uint32_t threads,
                            qcSweepFunction* function, void* context)
 {
+    sweep->comparisons = 0;
     if (count < 2)
         return qc_statusOk;
     Layout layout = Plan(boxes, count);
     QC_TRY(FillStrips(sweep, boxes, count, &layout));
-    Job job = {layout, sweep->entries.data, sweep->stripFirst.data, function, context};
+    Job job = {layout, sweep->entries.data, sweep->stripFirst.data, function, context, 0};
     // Below 4096 boxes all strips together take less than 0.5 ms.
     qcParallel_For(count < 4096 ? 1 : threads, layout.stripCount, 2, SweepStrip, &job);
+    sweep->comparisons = atomic_load(&job.comparisons);
     return qc_statusOk;
 }
 

@@ -11,6 +11,12 @@ typedef struct qcSweepBox
     uint32_t body, item;
 } qcSweepBox;
 
+enum
+{
+    // The median of 31 corners lies among the boxes even if ten of them are far away.
+    qc_originCorners = 31
+};
+
 /// From world coordinates to single precision near the origin.
 typedef struct qcSweepFrame
 {
@@ -22,6 +28,10 @@ typedef struct qcSweepFrame
 qcSweepBox qcSweepFrame_Map(const qcSweepFrame* frame, const double lower[3], const double upper[3], uint32_t body,
                             uint32_t item);
 
+/// Makes the median of lower corners of boxes, by axis, the origin. Any origin is correct; one among most of the boxes
+/// keeps them apart in single precision. Rearranges the corners. No corners: nothing changes.
+void qcSweepFrame_SetOrigin(qcSweepFrame* frame, double (*corners)[3], uint32_t count);
+
 /// Receives each pair of overlapping boxes once, in no order; `worker` as in qcParallel_For.
 typedef void qcSweepFunction(void* context, const qcSweepBox* a, const qcSweepBox* b, uint32_t worker);
 
@@ -29,9 +39,11 @@ typedef void qcSweepFunction(void* context, const qcSweepBox* a, const qcSweepBo
 typedef struct qcSweep
 {
     qcArray order, scratch, stripFirst, entries;
+    uint64_t comparisons; ///< pairs of boxes compared by the last search
 } qcSweep;
 
-/// Finds all overlapping pairs. O(n log n + pairs) for boxes of similar sizes, O(n^2) at worst.
+/// Finds all overlapping pairs. O(n log n + pairs) for boxes most of which are of similar sizes, wherever they are:
+/// a few far away or very large ones cost O(n) each at worst. O(n^2) at worst.
 qcStatus qcSweep_FindPairs(qcSweep* sweep, const qcSweepBox* boxes, uint32_t count, uint32_t threads,
                            qcSweepFunction* function, void* context);
 void qcSweep_Free(qcSweep* sweep);
