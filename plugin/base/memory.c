@@ -102,11 +102,16 @@ void qcFree(void* memory, size_t size)
     s_free(memory, size, s_context);
 }
 
-/// One and a half times the capacity, at least 4096 bytes: n pushes cost O(n).
-static size_t GrownCapacity(const qcArray* array)
+/// Bytes for an array that needs more than its capacity: as many, or half as many again as it has, so that n pushes
+/// cost O(n). Small blocks are powers of two: many bodies of a few triangles take little memory, and freed blocks fit
+/// others. With blocks of 64 bytes and their multiples the steps of 10 000 such bodies took a fifth longer.
+static size_t GrownCapacity(size_t capacity, size_t needed)
 {
-    size_t capacity = array->capacity + array->capacity / 2;
-    return capacity < 4096 ? 4096 : capacity;
+    size_t grown = capacity + capacity / 2, power = 128;
+    grown = grown < needed ? needed : grown;
+    while (power < grown && power < 4096)
+        power *= 2;
+    return grown < power ? power : grown;
 }
 
 /// Moves the elements to a block of another size, large enough for them.
@@ -130,8 +135,7 @@ qcStatus qcArray_Grow(qcArray* array, size_t count, size_t elementSize, const ch
     size_t needed = count * elementSize;
     // The element size of an array never changes.
     assert(array->count * elementSize <= array->capacity);
-    size_t capacity = GrownCapacity(array);
-    return MoveTo(array, capacity < needed ? needed : capacity, elementSize, purpose);
+    return MoveTo(array, GrownCapacity(array->capacity, needed), elementSize, purpose);
 }
 
 qcStatus qcArray_Trim(qcArray* array, size_t elementSize, const char* purpose)

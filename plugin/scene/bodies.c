@@ -268,10 +268,15 @@ qcStatus qcBodies_Add(qcBodies* bodies, const qcBodyDef* def, qcBodyId* id)
     QC_TRY(CheckDef(def, slot));
     const qcVertexInput source = {def->positions, def->positionType, def->positionStride, def->vertexCount};
     QC_TRY(qcVertexInput_Check(&source, slot, 1));
-    QC_TRY(qcArray_Reserve(&bodies->slots, slot + 1, sizeof(qcBody), "the list of bodies"));
     qcBody body;
     QC_TRY(MakeBody(def, &source, slot, &body));
-
+    // Last: a body that is refused takes no memory.
+    qcStatus status = qcArray_Reserve(&bodies->slots, slot + 1, sizeof(qcBody), "the list of bodies");
+    if (status != qc_statusOk)
+    {
+        FreeBody(&body);
+        return status;
+    }
     if (slot == bodies->slots.count)
     {
         bodies->slots.count++;

@@ -302,7 +302,44 @@ START_TEST(layers_that_part_have_all_pairs_before_and_after_their_bvh_is_built_a
 }
 END_TEST
 
-QC_RUN_TESTS("bvh_scenes", layers_that_part_have_all_pairs_before_and_after_their_bvh_is_built_anew,
+/// Spheres of a few triangles with self-collision, side by side.
+static qcScene* MakeManySmall(uint32_t count, qcBodyId* first)
+{
+    qcScene* scene = qcMakeScene(NULL);
+    for (uint32_t i = 0; i < count; i++)
+    {
+        qcSoup soup = qcSoup_MakeSphere(0, 0.5);
+        qcSoup_Translate(&soup, 2.0 * (i % 32), 0.0, 2.0 * (i / 32));
+        qcBodyId id = qcAddSoup(scene, &soup);
+        *first = i == 0 ? id : *first;
+        qcSoup_Free(&soup);
+    }
+    return scene;
+}
+
+static void StepWithMovedBody(qcScene* scene, qcBodyId id, uint32_t step)
+{
+    qcTransform transform = qcIdentityTransform();
+    transform.translation[0] = -0.01 * step;
+    CHECK_OK(qcScene_SetTransform(scene, id, &transform));
+    (void)Detect(scene, qcDefaultDetectDef(), qc_methodSweep, 1, NULL);
+}
+
+START_TEST(small_bodies_with_self_collision_take_little_memory)
+{
+    const uint32_t count = 400;
+    qcBodyId first;
+    qcScene* scene = MakeManySmall(count, &first);
+    for (uint32_t step = 0; step < 30; step++)
+        StepWithMovedBody(scene, first, step);
+    ck_assert_uint_le(qcGetByteCount() / count, 16384);
+    qcScene_Destroy(scene);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
+QC_RUN_TESTS("bvh_scenes", small_bodies_with_self_collision_take_little_memory,
+             layers_that_part_have_all_pairs_before_and_after_their_bvh_is_built_anew,
              a_large_new_body_has_all_pairs_in_each_step_of_its_life,
              large_bodies_without_self_collision_have_a_bvh_at_once, a_large_new_body_with_contacts_has_a_bvh_at_once,
              changing_scenes_have_the_pairs_of_brute_force_with_all_kernels,
