@@ -152,6 +152,17 @@ START_TEST(most_pairs_are_classified_and_all_of_these_right)
 }
 END_TEST
 
+static size_t s_collectCalls;
+
+static qcSlotPair* CountCollectPairs(const qcBvhBoxes* a, uint32_t nodeA, const qcBvhBoxes* b, uint32_t nodeB,
+                                     const uint64_t* pairMasks, const qcPairExclusion* exclusions, int exclusionCount,
+                                     const qcPlaneTest* planes, qcSlotPair* pairs)
+{
+    s_collectCalls++;
+    return qcTriangleKernels_Get()->collectPairs(a, nodeA, b, nodeB, pairMasks, exclusions, exclusionCount, planes,
+                                                 pairs);
+}
+
 START_TEST(a_search_stops_when_its_function_returns_false)
 {
     qcSide a = qcSide_Make(qcSoup_MakeRandom(2, 1500, 0.3));
@@ -159,8 +170,13 @@ START_TEST(a_search_stops_when_its_function_returns_false)
     size_t calls = 0;
     qcBvhPairs pairs = {0};
     qcBvhPairsJob job = qcMakeSelfJob(&a, &calls);
+    qcTriangleKernels kernels = *job.kernels;
+    kernels.collectPairs = CountCollectPairs;
+    job.kernels = &kernels;
+    s_collectCalls = 0;
     CHECK_OK(qcBvhPairs_Find(&pairs, &job, 1, 1));
     ck_assert_uint_eq(calls, 1);
+    ck_assert_uint_le(s_collectCalls, 64);
     qcBvhPairs_Free(&pairs);
     qcSide_Free(&a);
 }

@@ -127,7 +127,7 @@ static void Descend(qcPairQueue* queue, uint32_t level, qcNodePair nodes)
     uint64_t overlaps = FindOverlaps(queue->search, level, level, nodes);
     if (level == 2 && queue->search->a->box8Count[0] > qc_minPrefetched)
         PrefetchChildren(queue->search, nodes, overlaps);
-    for (; overlaps != 0; overlaps &= overlaps - 1)
+    for (; overlaps != 0 && queue->isOpen; overlaps &= overlaps - 1)
         Descend(queue, level - 1, ChildAt(nodes, (uint32_t)__builtin_ctzll(overlaps)));
 }
 
@@ -219,7 +219,7 @@ static void DescendBeside(qcPairQueue* queue, uint32_t level, qcNodePair nodes, 
                                 s->large == 0 ? qcPairMask_Product(cluster, children)
                                               : qcPairMask_Product(children, cluster));
     }
-    for (; level > 1 && children != 0; children &= children - 1)
+    for (; level > 1 && children != 0 && queue->isOpen; children &= children - 1)
         DescendBeside(queue, level - 1, ChildBeside(s, nodes, (uint32_t)__builtin_ctz(children)), large);
 }
 
@@ -513,7 +513,7 @@ static void SearchTask(void* context, size_t task, uint32_t worker)
     queue.pairs = queue.end = &QC_AT(qcSlotPair, run->memory->queues, (size_t)worker * qc_queueRoom);
     size_t first = task * run->share, left = nodePairs->count - first,
            end = first + (left < run->share ? left : run->share);
-    for (size_t k = first; k < end; k++)
+    for (size_t k = first; k < end && queue.isOpen; k++)
     {
         qcNodePair nodes = QC_AT(qcNodePair, *nodePairs, k);
         const qcBvhSearch* search = SearchAt(run, nodes.search);
