@@ -1,9 +1,13 @@
-// Reading the triangles of Bullet's concave shapes.
+// Reading the triangles of Bullet's concave shapes, and their revisions.
 #include "common/shape_triangles.h"
 
+#include "common/hash_table.h"
 #include "quickcullide/bullet_positions.h"
 
+#include <BulletCollision/CollisionShapes/btPolyhedralConvexShape.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
+
+#include <cstring>
 
 namespace
 {
@@ -67,6 +71,38 @@ uint64_t qcMeshRevision(const btCollisionShape* shape)
             for (size_t i = 0; i < sizeof value; i++)
                 hash = (hash ^ reinterpret_cast<const unsigned char*>(&value)[i]) * 1099511628211u;
         }
+    return hash;
+}
+
+uint64_t qcMixScalar(uint64_t hash, btScalar value)
+{
+    double wide = double(value) + 0.0;
+    uint64_t bits;
+    std::memcpy(&bits, &wide, sizeof bits);
+    return qcMixHash(hash, bits);
+}
+
+uint64_t qcMixVector(uint64_t hash, const btVector3& vector)
+{
+    return qcMixScalar(qcMixScalar(qcMixScalar(hash, vector.x()), vector.y()), vector.z());
+}
+
+uint64_t qcConvexRevision(const btConvexShape* shape)
+{
+    uint64_t hash = qcMixHash(qcMeshRevision(shape), uint64_t(shape->getShapeType()));
+    if (const auto* polyhedron = dynamic_cast<const btPolyhedralConvexShape*>(shape))
+        for (int i = 0; i < polyhedron->getNumVertices(); i++)
+        {
+            btVector3 vertex;
+            polyhedron->getVertex(i, vertex);
+            hash = qcMixVector(hash, vertex);
+        }
+    // The corners of a cube tell capsules and cones of different axes apart, too.
+    for (int i = 0; i < 8; i++)
+    {
+        const btVector3 corner((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
+        hash = qcMixVector(hash, shape->localGetSupportingVertex(corner));
+    }
     return hash;
 }
 

@@ -1,8 +1,10 @@
-// The triangles of Bullet's concave shapes.
+// The triangles of Bullet's concave shapes, and numbers that tell whether a shape has changed.
 #ifndef QC_GLUE_COMMON_SHAPE_TRIANGLES_H
 #define QC_GLUE_COMMON_SHAPE_TRIANGLES_H
 
 #include "quickcullide/bullet_mesh.h"
+
+#include <BulletCollision/CollisionShapes/btConvexShape.h>
 
 #include <vector>
 
@@ -29,6 +31,11 @@ bool qcIsGImpactMesh(const btCollisionShape* shape);
 /// A number that changes with the mesh. For Bullet's own shapes it depends on scaling and box only: their triangles are
 /// not read.
 uint64_t qcMeshRevision(const btCollisionShape* shape);
+/// Likewise for a convex shape: a number of its kind, its box, some points on it and all its vertices. O(vertices).
+uint64_t qcConvexRevision(const btConvexShape* shape);
+/// A hash, and a number or vector behind what it has been made of. 0 and -0 are the same.
+uint64_t qcMixScalar(uint64_t hash, btScalar value);
+uint64_t qcMixVector(uint64_t hash, const btVector3& vector);
 
 /// The triangles of a shape, in its frame. Refers to the shape: valid while that stays as it is.
 class qcMeshTriangles

@@ -18,16 +18,32 @@ std::shared_ptr<const qcSupportMesh> ReadMesh(const btCollisionShape* shape)
 void qcAxisCache::BeginStep()
 {
     m_step++;
+    BeginObjects();
     m_touches.Clear(0);
     if (m_step % s_keptSteps != 0)
         return;
     for (auto entry = m_meshes.begin(); entry != m_meshes.end();)
+    {
+        entry->second.owners.ForgetBefore(m_step - s_keptSteps);
         entry = m_step - entry->second.step > s_keptSteps ? m_meshes.erase(entry) : std::next(entry);
+    }
     qcHashTable<uint64_t, Axis> kept;
     for (const auto& entry : m_axes.Entries())
         if (m_step - entry.value.step <= s_keptSteps)
             kept.FindOrAdd(entry.key, entry.value);
     m_axes = std::move(kept);
+}
+
+/// False if the object's shape, one of Bullet's own, may not be the one that was read.
+bool qcAxisCache::IsKnown(const btCollisionObject* object, qcShapeOwners* owners)
+{
+    auto isLive = [this](const qcObjectKey& key)
+    {
+        if (m_live == nullptr)
+            m_live = std::make_unique<qcLiveObjects>(m_settings.world->getBroadphase());
+        return m_live->Contains(key.object, key.uniqueId);
+    };
+    return owners->Add(object, object->getCollisionShape(), m_step, isLive);
 }
 
 const qcSupportMesh* qcAxisCache::FindMesh(const btCollisionObject* object)
@@ -38,12 +54,13 @@ const qcSupportMesh* qcAxisCache::FindMesh(const btCollisionObject* object)
     Mesh& entry = m_meshes[shape];
     entry.step = m_step;
     uint64_t revision = qcMeshRevision(shape);
-    if (entry.revision == revision)
+    const qcMeshShape* ours = qcAsMeshShape(shape);
+    const bool isKnown = ours != nullptr || IsKnown(object, &entry.owners);
+    if (isKnown && entry.revision == revision)
         return entry.mesh.get();
     if (entry.revision != 0)
         m_touches.Clear(0);
     entry.revision = revision;
-    const qcMeshShape* ours = qcAsMeshShape(shape);
     entry.mesh = ours != nullptr ? ours->GetSupport() : ReadMesh(shape);
     return entry.mesh.get();
 }

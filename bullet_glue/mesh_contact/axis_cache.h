@@ -3,8 +3,11 @@
 #ifndef QC_GLUE_MESH_CONTACT_AXIS_CACHE_H
 #define QC_GLUE_MESH_CONTACT_AXIS_CACHE_H
 
+#include "common/live_objects.h"
 #include "common/object_key.h"
+#include "common/shape_owners.h"
 #include "common/support_mesh.h"
+#include "mesh_contact/batch_scene.h"
 
 #include <memory>
 #include <unordered_map>
@@ -12,8 +15,16 @@
 class qcAxisCache
 {
   public:
+    explicit qcAxisCache(const qcBatchSettings& settings) : m_settings(settings)
+    {
+    }
     /// Begins a step. Meshes and axes that have not been used for many steps are removed.
     void BeginStep();
+    /// Objects may have left the world since the last call in this step, and others may have come.
+    void BeginObjects()
+    {
+        m_live.reset();
+    }
     /// The object's mesh; null if it does not consist of one small mesh.
     const qcSupportMesh* FindMesh(const btCollisionObject* object);
     /// Makes room for the axis of a pair.
@@ -39,7 +50,8 @@ class qcAxisCache
     {
         std::shared_ptr<const qcSupportMesh> mesh; ///< null: it is not small
         uint64_t revision = 0;
-        uint64_t step = 0; ///< the last one that used it
+        uint64_t step = 0;    ///< the last one that used it
+        qcShapeOwners owners; ///< of one of Bullet's own shapes
     };
 
     struct Axis
@@ -54,8 +66,11 @@ class qcAxisCache
         qcPlacedSupport first, second;
     };
 
+    bool IsKnown(const btCollisionObject* object, qcShapeOwners* owners);
     static uint64_t KeyOf(const btCollisionObject* a, const btCollisionObject* b);
 
+    const qcBatchSettings& m_settings;
+    std::unique_ptr<qcLiveObjects> m_live; ///< null: no object was new since BeginObjects
     std::unordered_map<const btCollisionShape*, Mesh> m_meshes;
     qcHashTable<uint64_t, Axis> m_axes;     ///< by the unique ids of two objects
     qcHashTable<uint64_t, Touch> m_touches; ///< likewise; all their meshes exist

@@ -28,8 +28,8 @@ class qcMeshBatch : public qcRigidLimits, public qcKnownGaps
 {
   public:
     explicit qcMeshBatch(qcDevice* device)
-        : m_device(device), m_scene(settings), m_validity(m_scene, m_pairs), m_limiter(settings, *this, m_axes),
-          m_planes(m_axes)
+        : m_device(device), m_scene(settings), m_validity(m_scene, m_pairs), m_axes(settings),
+          m_limiter(settings, *this, m_axes), m_planes(m_axes)
     {
     }
     qcMeshBatch(const qcMeshBatch&) = delete;

@@ -67,7 +67,9 @@ void qcConvexCores::BeginStep()
 const qcConvexCore& qcConvexCores::Find(const btConvexShape* shape)
 {
     Entry& entry = m_entries[shape];
-    const uint64_t revision = qcMixHash(qcMeshRevision(shape), uint64_t(shape->getShapeType()) + 1);
+    if (entry.step == m_step)
+        return entry.core;
+    const uint64_t revision = qcConvexRevision(shape);
     if (entry.revision != revision)
     {
         entry.core = MakeCore(shape, m_size);

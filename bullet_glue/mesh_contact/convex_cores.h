@@ -35,8 +35,8 @@ class qcConvexCores
     }
     /// Begins a step.
     void BeginStep();
-    /// The core, made anew if the shape's kind, scaling, margin or box is not as it was. Valid until the next
-    /// BeginStep.
+    /// The core, made anew in the first call of a step if the shape is not as it was; see qcConvexRevision. Valid until
+    /// the next BeginStep.
     const qcConvexCore& Find(const btConvexShape* shape);
     /// Calls function(core, place) for the cores of a shape's convex parts; `place`: in the shape's frame.
     template <typename Function> void ForEachCore(const btCollisionShape* shape, const Function& function)
@@ -64,7 +64,7 @@ class qcConvexCores
 
     const btScalar m_size;
     std::unordered_map<const btConvexShape*, Entry> m_entries;
-    uint64_t m_step = 0;
+    uint64_t m_step = 1;
 };
 
 #endif

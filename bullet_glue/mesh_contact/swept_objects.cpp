@@ -407,6 +407,7 @@ bool qcSweptObjects::ReadObjects(qcScene* scene)
     // Meshes first: how far they move decides which convex shapes may pass one.
     m_anyOurs = m_anyFreeMesh = false;
     m_movingMeshes.clear();
+    m_axes.BeginObjects();
     m_notFinite = nullptr;
     for (int i = 0; i < objects.size(); i++)
         if (qcMayHoldMeshes(objects[i]->getCollisionShape()))

@@ -267,6 +267,9 @@ class QC_API qcMeshContact
     /// first needs them, and again only after this call. Scaling is detected without it. In the next step each vertex
     /// of a static or kinematic object moves from where it was: what lies between goes with it. O(triangles) in that
     /// step.
+    ///
+    /// A new shape at the address of a deleted one is read anew if the objects that had the old one have left the
+    /// world. In an object that stays, by setCollisionShape or as a child of a compound, it needs this call.
     void updateShape(const btCollisionShape* shape);
 
     /// Threads of queries, and of contact and limits of many small meshes; 0, the default: one per core.

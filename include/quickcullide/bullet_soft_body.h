@@ -181,6 +181,9 @@ class QC_API qcSoftBodyContact
     /// moved: call it where Bullet requires refitTree or postUpdate. They are copied when a soft body first comes near,
     /// and again only after this call. Scaling and margins are detected without it. In the next step each vertex moves
     /// from where it was, and soft bodies go with it; see plugin/docs/never_through.md. O(triangles) in that step.
+    ///
+    /// A new shape at the address of a deleted one is read anew if the objects that had the old one have left the
+    /// world. In an object that stays, by setCollisionShape or as a child of a compound, it needs this call.
     void updateShape(const btCollisionShape* shape);
 
     /// Threads of the queries; 0, the default: one per core. Queries that take less than 0.3 milliseconds run on one.

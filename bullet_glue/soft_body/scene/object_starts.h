@@ -49,6 +49,11 @@ class qcObjectStarts
     {
         return m_present;
     }
+    /// True for one of those, and for one that has entered the world since the step began.
+    bool Has(const qcObjectKey& key) const
+    {
+        return m_states.count(key) > 0;
+    }
     /// One of the objects that the last Read has left out, since they are not finite; null: there is none.
     const btCollisionObject* NotFinite() const
     {

@@ -336,7 +336,8 @@ void qcSoftBodyMeshes::FindMeshes(qcSceneRigid* rigid, const Overlap& overlap)
         {
             btVector3 box[2];
             FindBox(overlap, shape.local, box);
-            shape.surface = m_surfaces.Find(shape.shape, shape.revision, rigid->object, box);
+            shape.surface = m_surfaces.Find(shape.shape, shape.revision, rigid->object, box,
+                                            [this](const qcObjectKey& key) { return m_starts.Has(key); });
             mesh.shape = shape.surface->mesh.get();
             mesh.isConvex = shape.surface->isConvex;
             mesh.inside = shape.local * shape.surface->inside;

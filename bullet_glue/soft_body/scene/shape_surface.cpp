@@ -8,13 +8,11 @@
 #include "quickcullide/hash.h"
 #include "soft_body/scene/convex_triangles.h"
 
-#include <BulletCollision/CollisionShapes/btPolyhedralConvexShape.h>
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleMeshShape.h>
 #include <LinearMath/btAabbUtil2.h>
 
 #include <algorithm>
-#include <cstring>
 
 namespace
 {
@@ -25,41 +23,6 @@ constexpr size_t s_maxTriangles = 1000000;
 constexpr int s_planeSquares = 16;
 // Steps for which an unused surface is kept.
 constexpr unsigned s_unusedSteps = 600;
-
-//  ---- revisions ---------------------------------------------------------------------------------------------------
-
-uint64_t MixScalar(uint64_t hash, btScalar value)
-{
-    double wide = double(value) + 0.0;
-    uint64_t bits;
-    std::memcpy(&bits, &wide, sizeof bits);
-    return qcMixHash(hash, bits);
-}
-
-uint64_t MixVector(uint64_t hash, const btVector3& vector)
-{
-    return MixScalar(MixScalar(MixScalar(hash, vector.x()), vector.y()), vector.z());
-}
-
-uint64_t MixConvex(uint64_t hash, const btConvexShape* shape)
-{
-    if (const auto* polyhedron = dynamic_cast<const btPolyhedralConvexShape*>(shape))
-        for (int i = 0; i < polyhedron->getNumVertices(); i++)
-        {
-            btVector3 vertex;
-            polyhedron->getVertex(i, vertex);
-            hash = MixVector(hash, vertex);
-        }
-    // The corners of a cube tell capsules and cones of different axes apart, too.
-    for (int i = 0; i < 8; i++)
-    {
-        const btVector3 corner((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
-        hash = MixVector(hash, shape->localGetSupportingVertex(corner));
-    }
-    return hash;
-}
-
-//  ---- triangles ---------------------------------------------------------------------------------------------------
 
 std::unique_ptr<qcMeshShape> MakeMesh(const std::vector<btVector3>& points, const std::vector<uint32_t>& indices)
 {
@@ -218,33 +181,44 @@ uint64_t qcSurfaceCache::RevisionOf(const btCollisionShape* shape) const
         return mesh->getRevision();
     auto changes = m_changes.find(shape);
     uint64_t hash = qcMixHash(changes != m_changes.end() ? changes->second : 0, uint64_t(shape->getShapeType()));
-    hash = MixScalar(hash, shape->getMargin());
+    hash = qcMixScalar(hash, shape->getMargin());
     if (shape->getShapeType() == STATIC_PLANE_PROXYTYPE)
     {
         const auto* plane = static_cast<const btStaticPlaneShape*>(shape);
-        return MixScalar(MixVector(hash, plane->getPlaneNormal()), plane->getPlaneConstant());
+        return qcMixScalar(qcMixVector(hash, plane->getPlaneNormal()), plane->getPlaneConstant());
     }
-    hash = qcMixHash(hash, qcMeshRevision(shape));
     if (shape->isConvex())
-        return MixConvex(hash, static_cast<const btConvexShape*>(shape));
+        return qcMixHash(hash, qcConvexRevision(static_cast<const btConvexShape*>(shape)));
+    hash = qcMixHash(hash, qcMeshRevision(shape));
     if (const auto* mesh = dynamic_cast<const btTriangleMeshShape*>(shape))
         hash = qcMixHash(hash, reinterpret_cast<uintptr_t>(mesh->getMeshInterface()));
     return hash;
 }
 
 std::shared_ptr<const qcShapeSurface> qcSurfaceCache::Find(const btCollisionShape* shape, uint64_t revision,
-                                                           const void* object, const btVector3 box[2])
+                                                           const btCollisionObject* object, const btVector3 box[2],
+                                                           const std::function<bool(const qcObjectKey&)>& isLive)
 {
-    for (const void* owner : {static_cast<const void*>(nullptr), object})
+    for (const btCollisionObject* of : {static_cast<const btCollisionObject*>(nullptr), object})
     {
-        auto found = m_entries.find(std::make_tuple(shape, owner));
-        if (found == m_entries.end() || found->second.revision != revision || !found->second.surface->Covers(box))
+        auto found = m_entries.find(std::make_tuple(shape, of));
+        if (found == m_entries.end())
             continue;
-        found->second.lastStep = m_step;
-        return found->second.surface;
+        Entry& entry = found->second;
+        if (!entry.owners.Add(object, shape, m_step, isLive))
+            m_entries.erase(found);
+        else if (entry.revision == revision && entry.surface->Covers(box))
+        {
+            entry.lastStep = m_step;
+            return entry.surface;
+        }
     }
     std::shared_ptr<const qcShapeSurface> surface = MakeSurface(shape, box);
-    m_entries[std::make_tuple(shape, surface->isWhole ? nullptr : object)] = {revision, surface, m_step};
+    Entry& entry = m_entries[std::make_tuple(shape, surface->isWhole ? nullptr : object)];
+    entry.revision = revision;
+    entry.surface = surface;
+    entry.lastStep = m_step;
+    entry.owners.Add(object, shape, m_step, isLive);
     return surface;
 }
 
@@ -261,6 +235,8 @@ void qcSurfaceCache::EndStep()
         // Objects near soft bodies hold their surfaces.
         if (entry->second.surface.use_count() > 1)
             entry->second.lastStep = m_step;
+        if (m_step > s_unusedSteps)
+            entry->second.owners.ForgetBefore(m_step - s_unusedSteps);
         if (m_step - entry->second.lastStep > s_unusedSteps)
             entry = m_entries.erase(entry);
         else

@@ -2,8 +2,10 @@
 #ifndef QC_GLUE_SOFT_BODY_SCENE_SHAPE_SURFACE_H
 #define QC_GLUE_SOFT_BODY_SCENE_SHAPE_SURFACE_H
 
+#include "common/shape_owners.h"
 #include "quickcullide/bullet_mesh.h"
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <tuple>
@@ -34,9 +36,10 @@ class qcSurfaceCache
     /// A number that changes with the shape: with what Bullet's functions change, and with Forget.
     uint64_t RevisionOf(const btCollisionShape* shape) const;
     /// The surface of a shape with this revision. `box`: lower and upper corner, in the shape's frame, of the region
-    /// that it has to cover.
-    std::shared_ptr<const qcShapeSurface> Find(const btCollisionShape* shape, uint64_t revision, const void* object,
-                                               const btVector3 box[2]);
+    /// that it has to cover. isLive(key): an object is in its world.
+    std::shared_ptr<const qcShapeSurface> Find(const btCollisionShape* shape, uint64_t revision,
+                                               const btCollisionObject* object, const btVector3 box[2],
+                                               const std::function<bool(const qcObjectKey&)>& isLive);
     /// The shape's triangles have changed where its revision doesn't show it.
     void Forget(const btCollisionShape* shape);
     /// Call it once in a step: frees what was not in use for some seconds.
@@ -48,6 +51,7 @@ class qcSurfaceCache
         uint64_t revision;
         std::shared_ptr<const qcShapeSurface> surface;
         uint64_t lastStep; ///< in which an object had it
+        qcShapeOwners owners;
     };
 
     std::map<std::tuple<const void*, const void*>, Entry> m_entries; ///< by shape and, in part, object

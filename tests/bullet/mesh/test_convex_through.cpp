@@ -106,12 +106,37 @@ START_TEST(a_core_follows_changes_of_its_shape)
     btBoxShape box(btVector3(1, 1, 1));
     ck_assert_double_eq_tol(double(cores.Find(&box).halfWidth), 0.9, 1e-5);
     box.setLocalScaling(btVector3(1, btScalar(0.5), 1));
+    cores.BeginStep();
     ck_assert_double_eq_tol(double(cores.Find(&box).halfWidth), 0.45, 1e-5);
     btConvexHullShape flat;
     for (int i = 0; i < 4; i++)
         flat.addPoint(btVector3(btScalar(i % 2), btScalar(i / 2), 0));
     flat.setMargin(0);
     ck_assert_ptr_null(cores.Find(&flat).mesh.get());
+}
+END_TEST
+
+START_TEST(a_hull_at_the_address_of_a_deleted_one_has_a_core_of_its_own)
+{
+    qcConvexCores cores(qcCoreSize);
+    alignas(16) unsigned char room[sizeof(btConvexHullShape)];
+    // A cube and an octahedron with the same box.
+    for (bool isCube : {true, false})
+    {
+        auto* hull = new (room) btConvexHullShape;
+        for (int i = 0; isCube && i < 8; i++)
+            hull->addPoint(btVector3((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1));
+        for (int i = 0; !isCube && i < 6; i++)
+        {
+            btVector3 corner(0, 0, 0);
+            corner[i / 2] = i % 2 == 0 ? 1 : -1;
+            hull->addPoint(corner);
+        }
+        hull->setMargin(0);
+        cores.BeginStep();
+        ck_assert_double_eq_tol(double(cores.Find(hull).halfWidth), isCube ? 0.9 : 0.9 / std::sqrt(3.0), 1e-5);
+        hull->~btConvexHullShape();
+    }
 }
 END_TEST
 
@@ -555,3 +580,4 @@ QC_TEST_MAIN()
     suite_add_tcase(suite, tests);
     return qcRunSuite(suite);
 }
+    tcase_add_test(tests, a_hull_at_the_address_of_a_deleted_one_has_a_core_of_its_own);

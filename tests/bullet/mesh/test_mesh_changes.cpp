@@ -84,6 +84,34 @@ START_TEST(a_new_mesh_at_an_old_address_is_read_anew)
 }
 END_TEST
 
+START_TEST(a_terrain_at_the_address_of_a_deleted_one_is_read_anew)
+{
+    qcMeshWorld world;
+    btCollisionShape* shape = world.Keep(qcCubeModel().MakeShape());
+    btRigidBody* cube = world.Add(shape, 1, btVector3(0, 0, 0));
+    cube->setActivationState(DISABLE_DEACTIVATION);
+    alignas(16) unsigned char room[sizeof(btHeightfieldTerrainShape)];
+    // All tiles have the same box. In every other round a step is made without one.
+    for (int round = 0; round < 8; round++)
+    {
+        const std::vector<float> heights(81, round % 2 == 0 ? 0.0f : 0.8f);
+        auto* terrain = new (room) btHeightfieldTerrainShape(9, 9, heights.data(), btScalar(-1), btScalar(1), 1, false);
+        btRigidBody* tile = world.Add(terrain, 0, btVector3(0, 0, 0));
+        const double rest = double(heights[0]) + 0.5 + double(shape->getMargin() + terrain->getMargin());
+        cube->setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, btScalar(rest + 0.1), 0)));
+        cube->setLinearVelocity(btVector3(0, 0, 0));
+        cube->setAngularVelocity(btVector3(0, 0, 0));
+        world.Step(60);
+        ck_assert_double_eq_tol(CubeHeight(cube), rest, 0.005);
+        world.world.removeRigidBody(tile);
+        world.bodies.pop_back();
+        terrain->~btHeightfieldTerrainShape();
+        if (round % 4 >= 2)
+            world.Step();
+    }
+}
+END_TEST
+
 /// Floors of Bullet's shapes whose triangles the application changes. A spike in the model's corner keeps the box.
 struct RisingFloor
 {
@@ -229,6 +257,7 @@ END_TEST
 
 QC_RUN_TESTS("mesh_changes", a_resting_cube_that_is_scaled_up_rises,
              a_cube_scaled_into_another_has_contact_in_that_step, a_new_mesh_at_an_old_address_is_read_anew,
+             a_terrain_at_the_address_of_a_deleted_one_is_read_anew,
              bullets_meshes_may_change_under_a_resting_mesh, a_change_of_bounds_is_detected_without_update_shape,
              a_body_may_be_given_a_shape_of_any_kind,
              empty_meshes_and_transforms_that_are_not_finite_disturb_no_other_body)

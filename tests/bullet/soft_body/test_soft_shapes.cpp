@@ -399,6 +399,37 @@ START_TEST(a_changed_shape_is_read_again)
 }
 END_TEST
 
+START_TEST(a_terrain_at_the_address_of_a_deleted_one_is_read_anew)
+{
+    qcSoftWorld soft;
+    btSoftBody* cloth = btSoftBodyHelpers::CreatePatch(
+        soft.world.getWorldInfo(), btVector3(-1, btScalar(0.9), -1), btVector3(1, btScalar(0.9), -1),
+        btVector3(-1, btScalar(0.9), 1), btVector3(1, btScalar(0.9), 1), 9, 9, 0, true);
+    cloth->setTotalMass(1);
+    soft.world.addSoftBody(cloth);
+    soft.cloths.push_back(cloth);
+    alignas(16) unsigned char room[sizeof(btHeightfieldTerrainShape)];
+    // Each tile is lower than the one before, and has the same box.
+    for (float height : {0.8f, 0.4f, 0.0f})
+    {
+        const std::vector<float> heights(81, height);
+        auto* terrain = new (room) btHeightfieldTerrainShape(9, 9, heights.data(), btScalar(-1), btScalar(1), 1, false);
+        terrain->setMargin(btScalar(0.01));
+        soft.AddBody(terrain, 0, btVector3(0, 0, 0));
+        for (int step = 0; step < 60; step++)
+            soft.world.stepSimulation(btScalar(1.0 / 60), 0);
+        for (int node = 0; node < cloth->m_nodes.size(); node++)
+        {
+            ck_assert_double_gt(double(cloth->m_nodes[node].m_x.y()), double(height));
+            ck_assert_double_lt(double(cloth->m_nodes[node].m_x.y()), double(height) + 0.1);
+        }
+        soft.world.removeRigidBody(soft.bodies.back().get());
+        soft.bodies.pop_back();
+        terrain->~btHeightfieldTerrainShape();
+    }
+}
+END_TEST
+
 START_TEST(cloth_goes_with_triangles_that_move)
 {
     // The contact distance is 15 mm.
@@ -504,6 +535,7 @@ QC_TEST_MAIN()
     tcase_add_test(tests, after_a_failed_query_bullets_contacts_hold);
     tcase_add_test(tests, filters_sensors_and_disabled_pairs_let_cloth_pass);
     tcase_add_test(tests, a_changed_shape_is_read_again);
+    tcase_add_test(tests, a_terrain_at_the_address_of_a_deleted_one_is_read_anew);
     tcase_add_test(tests, cloth_goes_with_triangles_that_move);
     tcase_add_test(tests, cloth_anchored_inside_a_shape_hangs_from_it);
     tcase_add_test(tests, shapes_far_from_soft_bodies_are_not_read);
