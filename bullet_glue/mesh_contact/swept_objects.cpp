@@ -310,7 +310,7 @@ bool qcSweptObjects::TakesCores(const btCollisionObject* object)
     if (object->isKinematicObject())
         return m_anyFreeMesh;
     if (!object->isStaticObject() && DynamicBody(const_cast<btCollisionObject*>(object)) == nullptr &&
-        FindMultiBody(object) == nullptr)
+        qcAsLink(object) == nullptr)
         return false;
     const qcSweptObject* known = m_coreCount > 0 ? Find(object) : nullptr;
     if (known != nullptr && known->coreSteps > 0)

@@ -241,6 +241,29 @@ START_TEST(chains_that_are_thrown_at_walls_pass_none)
 }
 END_TEST
 
+START_TEST(meshes_that_are_thrown_at_what_does_not_move_of_a_multibody_pass_none_of_it)
+{
+    const qcModel cube = qcBoxModel(btVector3(1, 1, 1) * btScalar(0.05), 1);
+    int limited = 0;
+    // A fixed base, or a link that is joined firmly to one.
+    for (bool isBase : {true, false})
+        for (unsigned start = 1; start <= 12; start++)
+        {
+            qcRandomNumbers random(start);
+            LinkWorld made(s_nowhere);
+            Chain chain(made, _i, isBase ? 0 : 1, !isBase, s_nowhere, 1, !isBase);
+            chain.Body().setFixedBase(true);
+            const btQuaternion turn(random.Vector(1).normalized(), random.Number(0, 3));
+            btRigidBody* thrown =
+                made.Add(cube, 1, btTransform(turn, chain.At(0) + 2 * s_away + random.Vector(0.1)));
+            thrown->setLinearVelocity(-60 * s_away);
+            for (int step = 0; step < 30; step++)
+                limited += made.StepApart();
+        }
+    ck_assert_int_gt(limited, 0);
+}
+END_TEST
+
 START_TEST(chains_do_not_stand_still_at_a_wall)
 {
     for (unsigned start = 1; start <= 6; start++)
@@ -697,6 +720,8 @@ QC_TEST_MAIN()
     tcase_add_loop_test(tests, a_press_drives_no_link_through_a_plate, 0, kind_kinds);
     tcase_add_loop_test(tests, chains_that_are_thrown_at_each_other_pass_nothing, 0, kind_kinds);
     tcase_add_loop_test(tests, a_link_slides_along_a_wall_that_it_meets_at_an_angle, 0, kind_kinds);
+    tcase_add_loop_test(tests, meshes_that_are_thrown_at_what_does_not_move_of_a_multibody_pass_none_of_it, 0,
+                        kind_kinds);
     tcase_add_loop_test(tests, a_link_passes_only_what_it_does_not_collide_with, 0, link_kinds);
     tcase_add_loop_test(tests, an_arm_on_a_base_that_the_application_moves_passes_no_wall, 0, kind_kinds);
     tcase_add_test(tests, an_arm_turns_on_while_what_does_not_move_of_it_is_struck);
