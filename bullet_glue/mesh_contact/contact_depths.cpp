@@ -9,8 +9,9 @@
 
 namespace
 {
-// Smaller depths are those of bodies at rest: parts of the contact breaking threshold.
-constexpr btScalar s_smallDepth = btScalar(0.1);
+// Smaller depths are those of bodies at rest: parts of the contact breaking threshold, and of the smaller object's
+// size.
+constexpr btScalar s_smallDepth = btScalar(0.1), s_smallPart = btScalar(0.05);
 
 btScalar DeepestOf(const btPersistentManifold& manifold)
 {
@@ -18,6 +19,12 @@ btScalar DeepestOf(const btPersistentManifold& manifold)
     for (int i = 0; i < manifold.getNumContacts(); i++)
         depth = std::max(depth, -manifold.getContactPoint(i).getDistance());
     return depth;
+}
+
+/// The size of the smaller object (getAngularMotionDisc): Bullet makes its manifolds' thresholds of it.
+btScalar SmallerSizeOf(const btPersistentManifold& manifold)
+{
+    return manifold.getContactBreakingThreshold() / gContactBreakingThreshold;
 }
 } // namespace
 
@@ -35,7 +42,8 @@ void qcContactDepths::Read(btDispatcher* dispatcher)
         const btPersistentManifold& manifold = *dispatcher->getManifoldByIndexInternal(i);
         const btCollisionObject *a = manifold.getBody0(), *b = manifold.getBody1();
         const btScalar depth = a->isActive() || b->isActive() ? DeepestOf(manifold) : 0;
-        if (depth <= s_smallDepth * gContactBreakingThreshold || !dispatcher->needsResponse(a, b))
+        const btScalar small = std::min(s_smallDepth * gContactBreakingThreshold, s_smallPart * SmallerSizeOf(manifold));
+        if (depth <= small || !dispatcher->needsResponse(a, b))
             continue;
         Add(a, depth);
         Add(b, depth);

@@ -5,6 +5,8 @@
 #include "common/vertex_box.h"
 #include "quickcullide/hash.h"
 
+#include <algorithm>
+
 qcSweptMesh::qcSweptMesh(const qcSweptSource& source, bool keeps)
     : part(source.part), shape(source.mesh.shape), local(source.mesh.transform), revision(qcMeshRevision(shape)),
       triangles(new qcMeshTriangles(shape, nullptr))
@@ -25,14 +27,22 @@ bool qcSweptMesh::Encloses(const btVector3& point) const
 {
     const btVector3* points = triangles->points;
     btVector3 centre(0, 0, 0);
+    btScalar radius = 0;
     for (uint32_t i = 0; i < triangles->pointCount; i++)
+    {
         centre += points[i] / btScalar(triangles->pointCount);
+        radius = std::max(radius, points[i].length());
+    }
     for (uint32_t t = 0; t < triangles->count; t++)
     {
         const uint32_t* index = triangles->indices + 3 * size_t(t);
         const btVector3& corner = points[index[0]];
-        const btVector3 normal = (points[index[1]] - corner).cross(points[index[2]] - corner);
-        if (!(normal.dot(point - corner) * normal.dot(centre - corner) > 0) && !normal.fuzzyZero())
+        const btVector3 ab = points[index[1]] - corner, ac = points[index[2]] - corner, normal = ab.cross(ac);
+        // The normal of a sliver is made of the rounding of its corners.
+        const btScalar rounding = 4 * SIMD_EPSILON * radius * (ab.length() + ac.length());
+        const btScalar height = normal.dot(point - corner);
+        const bool isInside = normal.dot(centre - corner) > 0 ? height > 0 : height < 0;
+        if (!isInside && normal.length() > rounding)
             return false;
     }
     return true;

@@ -19,8 +19,13 @@
 namespace
 {
 // Bullet's contact pushes a convex shape back to the side of a mesh from which it comes, unless it moves by more than
-// this part of its core's half width in a step; below this part of the contact breaking threshold none does.
-constexpr btScalar s_slowPart = btScalar(0.5), s_slowMotion = btScalar(0.1);
+// this part of its core's half width in a step.
+constexpr btScalar s_slowPart = btScalar(0.5);
+// The core of one that moves by less than this part of the contact breaking threshold, and than this part of its size,
+// is not looked up: so bodies at rest cost next to nothing.
+constexpr btScalar s_restMotion = btScalar(0.1), s_restPart = btScalar(1) / 4096;
+// Meshes that move by less than this part of the threshold count as at rest.
+constexpr btScalar s_restMeshMotion = btScalar(0.005);
 // One that is deeper in another object than this part may be pressed through a mesh slowly, or pushed by split
 // impulses, which move bodies without a velocity.
 constexpr btScalar s_deepPart = btScalar(0.1);
@@ -295,7 +300,9 @@ btScalar qcSweptObjects::TravelNear(const btCollisionObject* object) const
 /// True if convex shapes whose cores have this half width may pass a mesh in the step: they are fast, or deep in one.
 bool qcSweptObjects::MayPass(const btCollisionObject* object, btScalar halfWidth) const
 {
-    return TravelNear(object) > std::max(s_slowPart * halfWidth, s_slowMotion * gContactBreakingThreshold) ||
+    const btScalar rest = std::min(s_restMotion * gContactBreakingThreshold,
+                                   s_restPart * object->getCollisionShape()->getAngularMotionDisc());
+    return TravelNear(object) > std::max(s_slowPart * halfWidth, rest) ||
            m_depths.DepthOf(object) > s_deepPart * halfWidth;
 }
 
@@ -332,7 +339,7 @@ bool qcSweptObjects::MissesCores()
             continue;
         swept->target = swept->object->getWorldTransform();
         swept->FindTravel();
-        if (swept->travel > s_slowMotion * gContactBreakingThreshold)
+        if (swept->travel > s_restMeshMotion * gContactBreakingThreshold)
             m_movingMeshes.push_back(swept);
     }
     const btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
@@ -400,6 +407,7 @@ bool qcSweptObjects::ReadTargets(const qcStartFunction& startOf, qcScene* scene)
 bool qcSweptObjects::ReadObjects(qcScene* scene)
 {
     m_step++;
+    m_axes.BeginObjects();
     FindPlanes();
     bool anyMoved = false;
     size_t present = 0;
@@ -407,7 +415,6 @@ bool qcSweptObjects::ReadObjects(qcScene* scene)
     // Meshes first: how far they move decides which convex shapes may pass one.
     m_anyOurs = m_anyFreeMesh = false;
     m_movingMeshes.clear();
-    m_axes.BeginObjects();
     m_notFinite = nullptr;
     for (int i = 0; i < objects.size(); i++)
         if (qcMayHoldMeshes(objects[i]->getCollisionShape()))
@@ -422,7 +429,7 @@ bool qcSweptObjects::ReadObjects(qcScene* scene)
             anyMoved = anyMoved || !qcAreSame(swept.start, swept.target);
             m_anyOurs = m_anyOurs || swept.isOurs;
             m_anyFreeMesh = m_anyFreeMesh || (swept.isOurs && (swept.body != nullptr || swept.owner != nullptr));
-            if (!swept.isOurs || swept.travel <= s_slowMotion * gContactBreakingThreshold)
+            if (!swept.isOurs || swept.travel <= s_restMeshMotion * gContactBreakingThreshold)
                 continue;
             swept.FindBox();
             m_movingMeshes.push_back(&swept);

@@ -542,6 +542,41 @@ START_TEST(a_convex_shape_passes_only_what_it_does_not_collide_with)
 }
 END_TEST
 
+/// Throws a shape at a wall of a mesh, or the wall at the shape. `radius`: of the shape; `part`: of the radius, by
+/// which it moves in a step.
+void ThrowSmall(btCollisionShape* shape, btScalar radius, btScalar part, bool movesWall, int start)
+{
+    qcMeshWorld world;
+    world.world.setGravity(btVector3(0, 0, 0));
+    btCollisionShape* wall = world.Keep(qcBoxModel(btVector3(20, 20, btScalar(0.01)) * radius, 2).MakeShape());
+    wall->setMargin(radius / 20);
+    const btScalar step = part * radius, away = 10 * radius + step * btScalar(start) / 10;
+    btRigidBody* target = world.Add(wall, movesWall ? btScalar(100) : btScalar(0), btVector3(0, 0, 0));
+    btRigidBody* thrown = world.Add(shape, 1, btTransform(btQuaternion(s_z, btScalar(0.3)), btVector3(0, 0, away)));
+    btRigidBody* moving = movesWall ? target : thrown;
+    moving->setLinearVelocity((movesWall ? step : -step) / qcStep * s_z);
+    moving->setActivationState(DISABLE_DEACTIVATION);
+    world.Step(60);
+    ck_assert_int_eq(world.contact.getStatistics().unproven, 0);
+    ck_assert_double_gt(double(thrown->getWorldTransform().getOrigin().z()),
+                        double(target->getWorldTransform().getOrigin().z()));
+}
+
+START_TEST(small_convex_shapes_pass_no_mesh)
+{
+    for (btScalar radius : {btScalar(0.02), btScalar(0.005), btScalar(0.0015), btScalar(0.0003)})
+        for (btScalar part : {btScalar(0.6), btScalar(1.2), btScalar(2.5), btScalar(20)})
+            for (int start = 0; start < 10; start += 2)
+            {
+                btSphereShape ball(radius);
+                btBoxShape box(btVector3(1, 1, 1) * radius);
+                ThrowSmall(&ball, radius, part, false, start);
+                ThrowSmall(&box, radius, part, false, start);
+                ThrowSmall(&ball, radius, part, true, start);
+            }
+}
+END_TEST
+
 START_TEST(slow_convex_shapes_are_left_to_bullet)
 {
     qcMeshWorld world;
@@ -565,6 +600,7 @@ QC_TEST_MAIN()
     tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
     tcase_add_loop_test(tests, a_core_is_inside_its_shape, 0, convex_kinds);
     tcase_add_test(tests, a_core_follows_changes_of_its_shape);
+    tcase_add_test(tests, a_hull_at_the_address_of_a_deleted_one_has_a_core_of_its_own);
     tcase_add_loop_test(tests, fast_convex_shapes_pass_no_mesh, 0, convex_kinds);
     tcase_add_loop_test(tests, fast_meshes_pass_no_static_convex_shape, 0, convex_kinds);
     tcase_add_test(tests, fast_convex_shapes_that_push_each_other_pass_no_mesh);
@@ -576,8 +612,8 @@ QC_TEST_MAIN()
     tcase_add_test(tests, heavy_heaps_press_nothing_through_a_mesh);
     tcase_add_test(tests, a_piston_presses_nothing_through_a_mesh);
     tcase_add_loop_test(tests, a_convex_shape_passes_only_what_it_does_not_collide_with, 0, exemption_kinds);
+    tcase_add_test(tests, small_convex_shapes_pass_no_mesh);
     tcase_add_test(tests, slow_convex_shapes_are_left_to_bullet);
     suite_add_tcase(suite, tests);
     return qcRunSuite(suite);
 }
-    tcase_add_test(tests, a_hull_at_the_address_of_a_deleted_one_has_a_core_of_its_own);
