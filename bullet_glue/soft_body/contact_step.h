@@ -15,6 +15,8 @@
 #include "soft_body/response/separating_planes.h"
 #include "soft_body/response/untangle.h"
 
+#include <unordered_set>
+
 /// A world's step calls, in this order, BeginStep before collision detection, the scene's BeginStep between the
 /// pre-tick callback and Bullet's integration, ReadStart while nodes have the positions of the start of the step,
 /// Resolve after Bullet's own solvers, and DispatchCallbacks at its end.
@@ -41,6 +43,8 @@ struct qcSoftBodyContact::Implementation
     qcContactManifolds manifolds;
     qcAlgorithmOverride algorithmOverride;
     qcSoftBodyStatistics statistics;
+    /// Soft bodies whose nodes Bullet has moved in this step ahead of its constraints, as the classic world does.
+    std::unordered_set<const btSoftBody*> predicted;
     /// Links are constraints on positions, as in the classic world; in the deformable one they are forces.
     bool solvesLinks = false;
 

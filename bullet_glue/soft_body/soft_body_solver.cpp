@@ -19,6 +19,18 @@ void MoveNodes(const qcSceneSoftBody& soft)
                 perDistance;
         });
 }
+/// Puts the nodes back to where Bullet's step started.
+void ReturnNodes(btSoftBody* body)
+{
+    for (int i = 0; i < body->m_nodes.size(); i++)
+    {
+        btSoftBody::Node& node = body->m_nodes[i];
+        node.m_x = node.m_q;
+        btDbvtVolume box = btDbvtVolume::FromCR(node.m_x, body->m_sst.radmrg);
+        body->m_ndbvt.update(node.m_leaf, box);
+    }
+    body->updateBounds();
+}
 } // namespace
 
 qcSoftBodySolver::qcSoftBodySolver(qcDevice* device) : qcSoftBodyContact(device)
@@ -39,6 +51,10 @@ void qcSoftBodySolver::predictMotion(btScalar timeStep)
 {
     // Bullet has called the pre-tick callback since, and integrates later.
     m_implementation->scene.BeginStep(m_softBodySet);
+    m_implementation->predicted.clear();
+    for (int i = 0; i < m_softBodySet.size(); i++)
+        if (m_softBodySet[i]->isActive())
+            m_implementation->predicted.insert(m_softBodySet[i]);
     btDefaultSoftBodySolver::predictMotion(timeStep);
 }
 
@@ -50,6 +66,11 @@ void qcSoftBodySolver::processCollision(btSoftBody*, btSoftBody*)
 void qcSoftBodySolver::solveConstraints(btScalar timeStep)
 {
     Implementation& my = *m_implementation;
+    // Bullet lets bodies fall asleep in the middle of a step: neither constraints nor contact would hold these.
+    for (int i = 0; i < m_softBodySet.size(); i++)
+        if (!m_softBodySet[i]->isActive() && my.predicted.count(m_softBodySet[i]) > 0)
+            ReturnNodes(m_softBodySet[i]);
+    my.predicted.clear();
     // m_q is where Bullet's step started from; its drift constraints overwrite it.
     my.ReadStart(m_softBodySet, &btSoftBody::Node::m_q);
     my.heldContacts.Insert(my.scene);

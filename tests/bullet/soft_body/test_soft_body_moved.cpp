@@ -303,6 +303,42 @@ static void Remove(btDynamicsWorld* world, btScalar)
     world->setInternalTickCallback(nullptr);
 }
 
+START_TEST(a_cloth_that_falls_asleep_above_a_mesh_passes_it_neither_then_nor_later)
+{
+    for (btScalar speed : {btScalar(5), btScalar(10), btScalar(20)})
+    {
+        qcSoftWorld soft;
+        soft.AddMesh(qcFloorModel(4, 8), 0, btVector3(0, 0, 0));
+        btSoftBody* cloth =
+            btSoftBodyHelpers::CreatePatch(soft.world.getWorldInfo(), btVector3(-1, 1, -1), btVector3(1, 1, -1),
+                                           btVector3(-1, 1, 1), btVector3(1, 1, 1), 9, 9, 0, true);
+        cloth->setTotalMass(1);
+        soft.world.addSoftBody(cloth);
+        soft.cloths.push_back(cloth);
+        cloth->setVelocity(btVector3(0, -speed, 0));
+        while (qcLowestNode(cloth) > speed / 60)
+            soft.world.stepSimulation(btScalar(1.0 / 60), 0);
+        // Bullet lets it fall asleep in the middle of the step.
+        cloth->setActivationState(WANTS_DEACTIVATION);
+        soft.world.stepSimulation(btScalar(1.0 / 60), 0);
+        const btScalar lowest = qcLowestNode(cloth);
+        ck_assert_double_gt(double(lowest), 0);
+        for (int step = 0; step < 30; step++)
+        {
+            ck_assert_int_eq(cloth->getActivationState(), ISLAND_SLEEPING);
+            soft.world.stepSimulation(btScalar(1.0 / 60), 0);
+        }
+        ck_assert(qcLowestNode(cloth) == lowest);
+        cloth->activate(true);
+        for (int step = 0; step < 60; step++)
+        {
+            soft.world.stepSimulation(btScalar(1.0 / 60), 0);
+            ck_assert_double_gt(double(qcLowestNode(cloth)), 0);
+        }
+    }
+}
+END_TEST
+
 START_TEST(a_body_that_the_tick_callback_removes_holds_nothing)
 {
     qcSoftWorld world;
@@ -340,6 +376,7 @@ QC_TEST_MAIN()
     tcase_add_test(tests, a_body_that_the_tick_callback_puts_elsewhere_sweeps_over_nothing);
     tcase_add_test(tests, a_body_that_the_solver_callback_puts_elsewhere_moves_from_there);
     tcase_add_test(tests, a_cloth_at_rest_that_the_application_moves_stays_at_rest);
+    tcase_add_test(tests, a_cloth_that_falls_asleep_above_a_mesh_passes_it_neither_then_nor_later);
     tcase_add_test(tests, a_body_that_the_tick_callback_removes_holds_nothing);
     suite_add_tcase(suite, tests);
     return qcRunSuite(suite);
