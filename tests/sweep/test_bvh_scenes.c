@@ -1,6 +1,7 @@
 // Scenes, step by step, with BVHs and with brute force: bodies are added and removed, move, sleep, wake and change
 // their filters.
 #define _POSIX_C_SOURCE 200809L // setenv
+#include "support/failing_heap.h"
 #include "support/scenes.h"
 #include "support/suite.h"
 #include "sweep/sample_bodies.h"
@@ -338,7 +339,31 @@ START_TEST(small_bodies_with_self_collision_take_little_memory)
 }
 END_TEST
 
-QC_RUN_TESTS("bvh_scenes", small_bodies_with_self_collision_take_little_memory,
+START_TEST(no_step_prepares_all_of_many_small_bodies_for_later_ones)
+{
+    qcFailingHeap heap = {0, 0, 0};
+    CHECK_OK(qcSetAllocator(qcFailingHeap_Allocate, qcFailingHeap_Release, &heap));
+    qcBodyId first;
+    qcScene* scene = MakeManySmall(1000, &first);
+    size_t max = 0, all = 0;
+    for (uint32_t step = 0; step < 60; step++)
+    {
+        heap.calls = 0;
+        StepWithMovedBody(scene, first, step);
+        // The first step builds all BVHs.
+        max = step > 0 && heap.calls > max ? heap.calls : max;
+        all += step > 0 ? heap.calls : 0;
+        ck_assert(step < 50 || heap.calls < 10);
+    }
+    ck_assert_uint_gt(all, 1000);
+    ck_assert_uint_lt(max, all / 4);
+    qcScene_Destroy(scene);
+    CHECK_OK(qcSetAllocator(NULL, NULL, NULL));
+}
+END_TEST
+
+QC_RUN_TESTS("bvh_scenes", no_step_prepares_all_of_many_small_bodies_for_later_ones,
+             small_bodies_with_self_collision_take_little_memory,
              layers_that_part_have_all_pairs_before_and_after_their_bvh_is_built_anew,
              a_large_new_body_has_all_pairs_in_each_step_of_its_life,
              large_bodies_without_self_collision_have_a_bvh_at_once, a_large_new_body_with_contacts_has_a_bvh_at_once,

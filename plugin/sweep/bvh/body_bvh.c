@@ -13,7 +13,7 @@ enum
     qc_aroundWork = 1,
     qc_acrossWork = 8,
     qc_patchesWork = 26,
-    // Steps of small bodies are short in any case.
+    // Steps of small bodies are short in any case, unless there are many (see prepare_bvhs.c).
     qc_minNodes = 16
 };
 
@@ -107,10 +107,15 @@ qcStatus qcBodyBvh_BuildAdjacency(qcBodyBvh* bodyBvh, uint32_t threads)
     return RunStages(bodyBvh, INT64_MAX, threads);
 }
 
-qcStatus qcBodyBvh_ContinueAdjacency(qcBodyBvh* bodyBvh, uint32_t threads)
+uint32_t qcBodyBvh_AdjacencyWork(const qcBodyBvh* bodyBvh)
 {
     uint32_t nodes = bodyBvh->bvh.clusters.nodeCount;
-    return RunStages(bodyBvh, qc_stepWork * (int64_t)(nodes > qc_minNodes ? nodes : qc_minNodes), threads);
+    return nodes > qc_minNodes ? nodes : qc_minNodes;
+}
+
+qcStatus qcBodyBvh_ContinueAdjacency(qcBodyBvh* bodyBvh, uint32_t threads)
+{
+    return RunStages(bodyBvh, qc_stepWork * (int64_t)qcBodyBvh_AdjacencyWork(bodyBvh), threads);
 }
 
 qcStatus qcBodyBvh_PrepareSelf(qcBodyBvh* bodyBvh, uint32_t threads)

@@ -61,8 +61,11 @@ static inline bool qcBodyBvh_FindsSelfPairs(const qcBodyBvh* bodyBvh)
 /// Builds the adjacency, if there is none. O(pairs of neighbours).
 qcStatus qcBodyBvh_BuildAdjacency(qcBodyBvh* bodyBvh, uint32_t threads);
 
-/// Builds the next part of the adjacency, if there is none: about as much work as a search.
+/// Builds the next part of the adjacency, if there is none: about as much work as a search, or all of a small body's.
 qcStatus qcBodyBvh_ContinueAdjacency(qcBodyBvh* bodyBvh, uint32_t threads);
+
+/// The work of qcBodyBvh_ContinueAdjacency: that of a search of so many leaf nodes.
+uint32_t qcBodyBvh_AdjacencyWork(const qcBodyBvh* bodyBvh);
 
 /// Makes the fans if there are none. O(triangles).
 qcStatus qcBodyBvh_MakeFans(qcBodyBvh* bodyBvh);
