@@ -186,7 +186,7 @@ void qcMeshContact::setThreadCount(unsigned threads)
 qcStatus qcMeshContact::setMethod(qcMethod method)
 {
     if (method == qc_methodCullide || method == qc_methodQuick)
-        return qc_statusBadInput;
+        return qcFail(qc_statusBadInput, "qcMeshContact::setMethod: %s misses pairs", qcMethod_Name(method));
     m_implementation->batch.settings.method = method;
     return qc_statusOk;
 }

@@ -275,7 +275,7 @@ class QC_API qcMeshContact
     /// Threads of queries, and of contact and limits of many small meshes; 0, the default: one per core.
     void setThreadCount(unsigned threads);
     /// The method of the queries; qc_methodAuto by default. qc_statusBadInput: `cullide` and `quick`, which miss pairs;
-    /// the method stays as it was, and qcLastMessage has no details.
+    /// the method stays as it was.
     qcStatus setMethod(qcMethod method);
     /// The work of the last step. Valid until this object is destroyed; changes with each step.
     const qcMeshContactStatistics& getStatistics() const;

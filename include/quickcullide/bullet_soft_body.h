@@ -170,7 +170,7 @@ class QC_API qcSoftBodyContact
   public:
     /// Sets how a body collides, from the next step until it is removed from the world. It may be called before the
     /// body is added; then don't delete the body without adding it. qc_statusBadInput: the body is null, or thickness
-    /// or friction is negative (but for a friction of -1) or not finite; the body's settings stay as they were, and qcLastMessage has no details.
+    /// or friction is negative (but for a friction of -1) or not finite; the body's settings stay as they were.
     qcStatus setSettings(const btSoftBody* body, const qcSoftBodySettings& settings);
     /// The settings of a body; the defaults if none were set.
     qcSoftBodySettings getSettings(const btSoftBody* body) const;
