@@ -42,7 +42,8 @@ void qcContactDepths::Read(btDispatcher* dispatcher)
         const btPersistentManifold& manifold = *dispatcher->getManifoldByIndexInternal(i);
         const btCollisionObject *a = manifold.getBody0(), *b = manifold.getBody1();
         const btScalar depth = a->isActive() || b->isActive() ? DeepestOf(manifold) : 0;
-        const btScalar small = std::min(s_smallDepth * gContactBreakingThreshold, s_smallPart * SmallerSizeOf(manifold));
+        const btScalar small =
+            std::min(s_smallDepth * gContactBreakingThreshold, s_smallPart * SmallerSizeOf(manifold));
         if (depth <= small || !dispatcher->needsResponse(a, b))
             continue;
         Add(a, depth);

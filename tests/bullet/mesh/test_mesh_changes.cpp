@@ -257,7 +257,6 @@ END_TEST
 
 QC_RUN_TESTS("mesh_changes", a_resting_cube_that_is_scaled_up_rises,
              a_cube_scaled_into_another_has_contact_in_that_step, a_new_mesh_at_an_old_address_is_read_anew,
-             a_terrain_at_the_address_of_a_deleted_one_is_read_anew,
-             bullets_meshes_may_change_under_a_resting_mesh, a_change_of_bounds_is_detected_without_update_shape,
-             a_body_may_be_given_a_shape_of_any_kind,
+             a_terrain_at_the_address_of_a_deleted_one_is_read_anew, bullets_meshes_may_change_under_a_resting_mesh,
+             a_change_of_bounds_is_detected_without_update_shape, a_body_may_be_given_a_shape_of_any_kind,
              empty_meshes_and_transforms_that_are_not_finite_disturb_no_other_body)
