@@ -68,7 +68,7 @@ void qcSoftBodySolver::solveConstraints(btScalar timeStep)
     Implementation& my = *m_implementation;
     // Bullet lets bodies fall asleep in the middle of a step: neither constraints nor contact would hold these.
     for (int i = 0; i < m_softBodySet.size(); i++)
-        if (!m_softBodySet[i]->isActive() && my.predicted.count(m_softBodySet[i]) > 0)
+        if (m_softBodySet[i]->getActivationState() == ISLAND_SLEEPING && my.predicted.count(m_softBodySet[i]) > 0)
             ReturnNodes(m_softBodySet[i]);
     my.predicted.clear();
     // m_q is where Bullet's step started from; its drift constraints overwrite it.
