@@ -124,15 +124,22 @@ void WriteGroup(const qcPointGroup& group, btScalar threshold, const btCollision
     result->refreshContactPoints();
 }
 
-/// Upper bound of the motion of a mesh's points against a direction in a step.
-btScalar MaxTravelAgainst(const btCollisionObjectWrapper& mesh, const btVector3& normal, btScalar timeStep)
+/// Motion of a mesh against a direction in a step.
+struct TravelAgainst
 {
-    const btRigidBody* body = btRigidBody::upcast(mesh.getCollisionObject());
+    btScalar max = 0;      ///< upper bound of that of its points, along straight lines
+    btScalar ofCentre = 0; ///< that of its centre
+};
+
+TravelAgainst FindTravelAgainst(const btCollisionObject& object, const btVector3& normal, btScalar timeStep)
+{
+    const btRigidBody* body = btRigidBody::upcast(&object);
     if (body == nullptr || body->isStaticObject())
-        return 0;
-    btScalar speed = body->getAngularVelocity().length() * body->getCollisionShape()->getAngularMotionDisc() -
-                     body->getLinearVelocity().dot(normal);
-    return std::max(speed * timeStep, btScalar(0));
+        return {};
+    const btScalar centre = -body->getLinearVelocity().dot(normal) * timeStep;
+    const btScalar turn =
+        body->getAngularVelocity().length() * body->getCollisionShape()->getAngularMotionDisc() * timeStep;
+    return {std::max(centre + turn, btScalar(0)), std::max(centre, btScalar(0))};
 }
 
 /// Makes contact points of a plane with the vertices of a mesh.
@@ -148,15 +155,16 @@ class PlanePoints : public btTriangleCallback
     {
     }
 
-    const btVector3& GetNormal() const
+    /// Collects vertices at most `nearDistance` above the plane, and those that may get there in the step, each once,
+    /// with the first of its triangles.
+    void Collect(btScalar nearDistance, const btCollisionObject& object, btScalar timeStep)
     {
-        return m_normal;
-    }
-
-    /// Collects vertices at most `maxDistance` above the plane, each once, with the first of its triangles.
-    void Collect(btScalar maxDistance)
-    {
-        m_maxDistance = maxDistance;
+        const TravelAgainst travel = FindTravelAgainst(object, m_normal, timeStep);
+        m_nearDistance = nearDistance;
+        m_centre = object.getWorldTransform().getOrigin();
+        // Twice the distance: the solver may add to the motion.
+        m_maxRadius = m_normal.dot(m_centre) - m_offset - travel.ofCentre - 2 * nearDistance;
+        const btScalar maxDistance = m_maxDistance = nearDistance + travel.max;
         m_isTaken.assign(m_mesh.getVertexCount(), false);
         btVector3 localNormal = m_place.getBasis().transpose() * m_normal;
         btScalar localOffset = m_offset - m_normal.dot(m_place.getOrigin());
@@ -173,7 +181,7 @@ class PlanePoints : public btTriangleCallback
             m_isTaken[vertex] = true;
             btVector3 corner = m_place * triangle[c];
             btScalar distance = m_normal.dot(corner) - m_offset;
-            if (distance > m_maxDistance)
+            if (distance > m_maxDistance || (distance > m_nearDistance && corner.distance(m_centre) < m_maxRadius))
                 continue;
             btVector3 foot = corner - m_normal * distance;
             if (m_swapped)
@@ -187,7 +195,9 @@ class PlanePoints : public btTriangleCallback
     const qcMeshShape& m_mesh;
     btTransform m_place;
     btVector3 m_normal;
-    btScalar m_offset, m_maxDistance = 0;
+    btScalar m_offset, m_nearDistance = 0, m_maxDistance = 0;
+    btVector3 m_centre{0, 0, 0}; ///< of the object
+    btScalar m_maxRadius = 0;    ///< vertices that are nearer to the centre don't get to the plane, however it turns
     bool m_swapped;
     std::vector<bool> m_isTaken; ///< by vertex
     std::vector<qcMeshPoint>* m_points;
@@ -383,8 +393,8 @@ void qcMeshPlaneAlgorithm::FindPoints(const btCollisionObjectWrapper& body0, con
         return;
     const auto* plane = static_cast<const btStaticPlaneShape*>(planeBody.getCollisionShape());
     PlanePoints collector(*mesh, meshBody.getWorldTransform(), planeBody.getWorldTransform(), *plane, swapped, points);
-    collector.Collect(qcContactDistance(mesh, plane) + farther + mesh->getMargin() +
-                      MaxTravelAgainst(meshBody, collector.GetNormal(), timeStep));
+    collector.Collect(qcContactDistance(mesh, plane) + farther + mesh->getMargin(), *meshBody.getCollisionObject(),
+                      timeStep);
 }
 
 btScalar qcMeshPlaneAlgorithm::MarginOf(const btCollisionShape* shape) const

@@ -233,6 +233,29 @@ START_TEST(the_end_of_a_spinning_bar_does_not_pass_through_a_post)
 }
 END_TEST
 
+START_TEST(a_rod_that_spins_out_of_reach_of_a_plane_meets_nothing)
+{
+    // Half a metre long on each side. Its ends would get to the plane within the step along straight lines.
+    for (btScalar spin : {btScalar(30), btScalar(60), btScalar(90)})
+        for (btScalar height : {btScalar(0.6), btScalar(0.7), btScalar(0.9)})
+        {
+            qcMeshWorld world;
+            world.world.setGravity(btVector3(0, 0, 0));
+            qcAddFloor(world, qc_floorPlane);
+            const btVector3 half(btScalar(0.5), btScalar(0.05), btScalar(0.05));
+            btRigidBody* rod = world.Add(world.Keep(qcBoxModel(half, 1).MakeShape()), 1, btVector3(0, height, 0));
+            rod->setAngularVelocity(btVector3(0, 0, spin));
+            rod->setActivationState(DISABLE_DEACTIVATION);
+            for (int step = 0; step < 30; step++)
+            {
+                world.Step();
+                ck_assert_int_eq(qcContactsOf(world.dispatcher).points, 0);
+            }
+            ck_assert(rod->getLinearVelocity().isZero());
+        }
+}
+END_TEST
+
 START_TEST(a_body_pushed_after_a_query_is_queried_again)
 {
     qcMeshWorld world;
@@ -516,6 +539,7 @@ QC_TEST_MAIN()
     tcase_add_test(tests, bodies_that_fall_side_by_side_are_not_sampled);
     tcase_add_test(tests, a_falling_column_is_stopped_from_its_foot_to_its_head);
     tcase_add_test(tests, the_end_of_a_spinning_bar_does_not_pass_through_a_post);
+    tcase_add_test(tests, a_rod_that_spins_out_of_reach_of_a_plane_meets_nothing);
     tcase_add_test(tests, a_body_pushed_after_a_query_is_queried_again);
     tcase_add_test(tests, velocities_that_are_not_finite_disturb_no_other_body);
 #ifdef QC_BUNNY
