@@ -4,9 +4,9 @@
 
 #include "mesh_contact/swept_object.h"
 
-/// True if the hull of `moving`, and with it all that of it is tested, passes no triangle of `still` in the step: a
-/// plane separates the two at the start and at the end. False proves nothing. `still` is at rest and consists of
-/// qcMeshShapes. O(triangles whose boxes meet that of the path). Thread-safe.
+/// True if the hulls of `moving`, and with them all that of it is tested, pass no triangle of `still` in the step: a
+/// plane separates each hull from each triangle at the start and at the end. False proves nothing. `still` is at rest
+/// and consists of qcMeshShapes. O(triangles whose boxes meet that of the path). Thread-safe.
 bool qcHasClearPath(const qcSweptObject& moving, const qcSweptObject& still);
 
 #endif
