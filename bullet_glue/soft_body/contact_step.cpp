@@ -570,7 +570,10 @@ bool qcSoftBodyContact::Implementation::Resolve(btScalar timeStep)
         scene.meshes.Restore();
         return false;
     }
-    qcHeldContacts::Keep(scene, m_tangles, m_constraints);
+    if (solvesLinks)
+        qcHeldContacts::Keep(scene, m_tangles, m_constraints);
+    else
+        elasticContacts.Keep(scene, m_tangles, m_constraints);
     scene.meshes.UpdateVelocities(timeStep);
     qcApplyRigidNodeImpulses(m_rigidNodeContacts, timeStep);
     return true;

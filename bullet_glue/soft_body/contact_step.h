@@ -9,6 +9,7 @@
 #include "soft_body/contact_manifolds.h"
 #include "soft_body/draw_contacts.h"
 #include "soft_body/response/clearance.h"
+#include "soft_body/response/elastic_contacts.h"
 #include "soft_body/response/held_contacts.h"
 #include "soft_body/response/position_constraints.h"
 #include "soft_body/response/rigid_zones.h"
@@ -39,7 +40,9 @@ struct qcSoftBodyContact::Implementation
     void DispatchCallbacks();
 
     qcSoftBodyScene scene;
-    qcHeldContacts heldContacts;
+    qcHeldContacts heldContacts;                              ///< of the classic world
+    qcElasticContacts elasticContacts;                        ///< of the deformable world
+    const btDeformableBodySolver* deformableSolver = nullptr; ///< of the deformable world
     qcContactManifolds manifolds;
     qcAlgorithmOverride algorithmOverride;
     qcSoftBodyStatistics statistics;

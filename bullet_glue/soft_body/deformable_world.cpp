@@ -41,6 +41,7 @@ qcDeformableWorld::qcDeformableWorld(btDispatcher* dispatcher, btBroadphaseInter
                                          deformableSolver),
       qcSoftBodyContact(device)
 {
+    m_implementation->deformableSolver = deformableSolver;
 }
 
 qcDeformableWorld::~qcDeformableWorld() = default;
@@ -78,6 +79,7 @@ void qcDeformableWorld::integrateTransforms(btScalar timeStep)
         if (!getSoftBodyArray()[i]->isActive())
             getSoftBodyArray()[i]->setZeroVelocity();
     btDeformableMultiBodyDynamicsWorld::integrateTransforms(timeStep);
+    my.elasticContacts.Solve(my.scene, *my.deformableSolver, timeStep);
     if (!my.Resolve(timeStep))
         return;
     for (const qcSceneSoftBody& soft : my.scene.Bodies())

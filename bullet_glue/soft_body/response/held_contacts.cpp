@@ -1,45 +1,15 @@
 // Contacts of the previous step in Bullet's own solver.
 #include "soft_body/response/held_contacts.h"
 
-#include "common/live_objects.h"
+#include "soft_body/response/present_objects.h"
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 namespace
 {
 // The rigid point's share of a correction. From its displacement the sum of all corrections is read.
 constexpr btScalar s_pointShare = btScalar(0.01);
-// The share of the thickness at which contacts are held: at the whole thickness, rounding would decide in each step
-// whether they are found again.
-constexpr btScalar s_heldShare = btScalar(0.98);
-
-/// The soft body that has the position, and the position's index. Null: none.
-qcSceneSoftBody* FindOwner(qcSoftBodyScene& scene, const btVector3* position, uint32_t* index)
-{
-    for (qcSceneSoftBody& soft : scene.Bodies())
-        if (position >= soft.positions.data() && position < soft.positions.data() + soft.positions.size())
-        {
-            *index = uint32_t(position - soft.positions.data());
-            return &soft;
-        }
-    return nullptr;
-}
-
-bool AreTangled(const qcSoftTangles& tangles, const qcSceneSoftBody& soft, const qcSceneRigid& rigid)
-{
-    return std::any_of(rigid.meshes.begin(), rigid.meshes.end(),
-                       [&](const qcSceneMesh& mesh) {
-                           return tangles.Contains(soft.id.slot, mesh.id.slot) ||
-                                  tangles.Contains(mesh.id.slot, soft.id.slot);
-                       });
-}
-
-bool IsLess(const qcObjectKey& a, const qcObjectKey& b)
-{
-    return a.object != b.object ? std::less<const void*>()(a.object, b.object) : a.uniqueId < b.uniqueId;
-}
 
 btScalar SquaredWeights(const qcHeldContact& contact)
 {
@@ -100,12 +70,12 @@ void qcHeldContacts::Keep(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
         bool isFree = true;
         for (int i = 0; i < constraint.nodeCount; i++)
         {
-            soft = FindOwner(scene, constraint.position[i], &held.nodes[i]);
+            soft = scene.OwnerOf(constraint.position[i], &held.nodes[i]);
             held.weights[i] = constraint.weight[i];
             // Bullet would move pinned nodes, too.
             isFree = isFree && constraint.inverseMass[i] > 0;
         }
-        if (soft == nullptr || !isFree || AreTangled(tangles, *soft, *constraint.rigid))
+        if (soft == nullptr || !isFree || tangles.AreTangled(*soft, *constraint.rigid))
             continue;
         const btTransform& now = constraint.rigid->object->getWorldTransform();
         held.count = constraint.nodeCount;
@@ -123,27 +93,21 @@ void qcHeldContacts::Insert(qcSoftBodyScene& scene)
 {
     m_inserted.clear();
     m_counts.clear();
-    std::sort(scene.liveObjects.begin(), scene.liveObjects.end(), IsLess);
+    qcPresentObjects present(scene);
     for (qcSceneSoftBody& soft : scene.Bodies())
     {
         m_counts.push_back(soft.body->m_scontacts.size());
-        btBroadphaseInterface* broadphase = soft.body->getWorldInfo()->m_broadphase;
-        const btBroadphaseProxy* proxy = soft.body->getBroadphaseHandle();
-        if (!soft.moves || broadphase == nullptr || proxy == nullptr)
+        if (!soft.moves)
             continue;
-        // A tick callback may have removed objects since collision detection.
-        qcLiveObjects present(broadphase, proxy->m_aabbMin, proxy->m_aabbMax);
         for (const qcHeldContact& held : soft.heldContacts)
         {
-            if (IsApplied(soft, held) ||
-                !std::binary_search(scene.liveObjects.begin(), scene.liveObjects.end(), held.object, IsLess) ||
-                !present.Contains(held.object.object, held.object.uniqueId) || !qcHasResponse(soft, held.object.object))
+            if (IsApplied(soft, held) || !present.Contains(soft, held.object))
                 continue;
             const btTransform& now = held.object.object->getWorldTransform();
             Inserted inserted = {&soft, &held, now.getBasis() * held.localNormal, held.point, now * held.localPoint};
             btScalar gap = inserted.normal.dot(StartOf(soft, held) - held.point);
             // An object that is not finite holds nothing.
-            if (gap > 0 && gap <= held.thickness * btScalar(1.1) && std::isfinite(inserted.end.length2()))
+            if (qcMayHold(gap, held.thickness) && std::isfinite(inserted.end.length2()))
                 m_inserted.push_back(inserted);
         }
     }
@@ -155,13 +119,12 @@ void qcHeldContacts::Insert(qcSoftBodyScene& scene)
         m_nodes[i].m_q = inserted.start;
         m_nodes[i].m_x = inserted.end;
         btScalar gap = inserted.normal.dot(StartOf(*inserted.soft, *inserted.contact) - inserted.start);
-        const btScalar held = s_heldShare * inserted.contact->thickness;
+        const btScalar held = qcHeldShare * inserted.contact->thickness;
         btScalar distance = gap < held ? gap + qcGapRecovery * (held - gap) : held;
         btSoftBody::SContact contact;
         Fill(*inserted.soft, *inserted.contact, inserted.normal, distance, &m_nodes[i], &m_faces[i], &contact);
         inserted.soft->body->m_scontacts.push_back(contact);
     }
-    scene.liveObjects.clear();
 }
 
 void qcHeldContacts::Remove(qcSoftBodyScene& scene)

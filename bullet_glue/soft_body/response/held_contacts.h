@@ -7,6 +7,16 @@
 
 #include "soft_body/response/position_constraints.h"
 
+/// The share of the thickness at which contacts are held: at the whole thickness, rounding would decide in each step
+/// whether they are found again.
+constexpr btScalar qcHeldShare = btScalar(0.98);
+
+/// True if a contact of the previous step holds at its gap at the start of this one.
+inline bool qcMayHold(btScalar gap, btScalar thickness)
+{
+    return gap > 0 && gap <= thickness * btScalar(1.1);
+}
+
 class qcHeldContacts
 {
   public:

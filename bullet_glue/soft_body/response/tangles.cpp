@@ -50,6 +50,13 @@ bool qcSoftTangles::MayLeave(qcSoftBodyScene& scene, const qcPair& pair) const
            (HasVertexIn(m_leaving, scene, a, pair.triangleA, b) || HasVertexIn(m_leaving, scene, b, pair.triangleB, a));
 }
 
+bool qcSoftTangles::AreTangled(const qcSceneSoftBody& soft, const qcSceneRigid& rigid) const
+{
+    return std::any_of(rigid.meshes.begin(), rigid.meshes.end(),
+                       [&](const qcSceneMesh& mesh)
+                       { return Contains(soft.id.slot, mesh.id.slot) || Contains(mesh.id.slot, soft.id.slot); });
+}
+
 void qcSoftTangles::MarkParts(const std::vector<qcUntanglement>& untanglements)
 {
     m_leaving.clear();

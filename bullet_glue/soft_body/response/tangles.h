@@ -26,6 +26,8 @@ class qcSoftTangles
     {
         return m_counts.count({bodyA, bodyB}) != 0;
     }
+    /// True if triangles of these two penetrate each other.
+    bool AreTangled(const qcSceneSoftBody& soft, const qcSceneRigid& rigid) const;
     /// Marks the vertices that leave the other surface: those in parts that curves cut off, and all of curves that
     /// divide no surface. Refers to the curves.
     void MarkParts(const std::vector<qcUntanglement>& untanglements);

@@ -552,6 +552,17 @@ qcStatus qcSoftBodyScene::DetectPenetrating(const BodyPairTest& isApart, const q
     return RunWithout(isApart, &def, &m_pairMs, result);
 }
 
+qcSceneSoftBody* qcSoftBodyScene::OwnerOf(const btVector3* position, uint32_t* node)
+{
+    for (qcSceneSoftBody& soft : m_bodies)
+        if (position >= soft.positions.data() && position < soft.positions.data() + soft.positions.size())
+        {
+            *node = uint32_t(position - soft.positions.data());
+            return &soft;
+        }
+    return nullptr;
+}
+
 qcSceneSoftBody* qcSoftBodyScene::Find(uint32_t slot)
 {
     return slot < m_bodyOfSlot.size() && m_bodyOfSlot[slot] != SIZE_MAX ? &m_bodies[m_bodyOfSlot[slot]] : nullptr;

@@ -64,6 +64,8 @@ class qcSoftBodyScene
 
     /// The soft body of a slot, or null.
     qcSceneSoftBody* Find(uint32_t slot);
+    /// The soft body that has a position among its `positions`, and the index of its node. Null: none.
+    qcSceneSoftBody* OwnerOf(const btVector3* position, uint32_t* node);
     std::vector<qcSceneSoftBody>& Bodies()
     {
         return m_bodies;

@@ -1,6 +1,7 @@
 // Nodes that belong to no face (of ropes, of tetrahedra without faces, cut off) collide with meshes as points.
 #include "bullet/mesh/mesh_models.h"
 #include "bullet/soft_body/soft_world.h"
+#include "bullet/soft_body/tetra_model.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <BulletSoftBody/btSoftBodyHelpers.h>
@@ -64,43 +65,15 @@ START_TEST(a_rope_lies_on_a_mesh)
 }
 END_TEST
 
-/// Five tetrahedra for each of 3 * 3 * 3 cubes, with faces or without.
-btSoftBody* MakeTetrahedra(btSoftBodyWorldInfo& info, bool faces)
-{
-    const int n = 4;
-    std::vector<btVector3> points;
-    for (int i = 0; i < n * n * n; i++)
-        points.push_back(btVector3(btScalar(i % n), btScalar(i / n % n), btScalar(i / n / n)) * btScalar(0.3) +
-                         btVector3(0, btScalar(0.3), 0));
-    auto* body = new btSoftBody(&info, int(points.size()), points.data(), nullptr);
-    const int even[5][4] = {{0, 1, 2, 4}, {3, 1, 2, 7}, {5, 1, 4, 7}, {6, 2, 4, 7}, {1, 2, 4, 7}};
-    const int odd[5][4] = {{1, 0, 3, 5}, {2, 0, 3, 6}, {4, 0, 5, 6}, {7, 3, 5, 6}, {0, 3, 5, 6}};
-    for (int cube = 0; cube < (n - 1) * (n - 1) * (n - 1); cube++)
-    {
-        int x = cube % (n - 1), y = cube / (n - 1) % (n - 1), z = cube / (n - 1) / (n - 1);
-        for (const int(&tetra)[4] : (x + y + z) % 2 == 0 ? even : odd)
-        {
-            int corner[4];
-            for (int c = 0; c < 4; c++)
-                corner[c] = x + (tetra[c] & 1) + n * (y + (tetra[c] >> 1 & 1)) + n * n * (z + (tetra[c] >> 2));
-            body->appendTetra(corner[0], corner[1], corner[2], corner[3]);
-            for (int c = 0; c < 4; c++)
-                for (int d = c + 1; d < 4; d++)
-                    body->appendLink(corner[c], corner[d], nullptr, true);
-            for (int c = 0; c < 4 && faces; c++)
-                body->appendFace(corner[c], corner[(c + 1) % 4], corner[(c + 2) % 4]);
-        }
-    }
-    body->m_cfg.piterations = 4;
-    return body;
-}
-
 START_TEST(tetrahedra_lie_on_a_mesh_with_faces_and_without)
 {
     for (bool faces : {false, true})
     {
         NodesWorld world;
-        world.Add(MakeTetrahedra(world.world.getWorldInfo(), faces));
+        btSoftBody* body =
+            qcMakeTetraCube(world.world.getWorldInfo(), btVector3(0, btScalar(0.3), 0), 3, btScalar(0.3), faces);
+        body->m_cfg.piterations = 4;
+        world.Add(body);
         world.Step(240);
         ck_assert_double_lt(double(qcLowestNode(world.body)), 0.2);
         ck_assert_double_lt(double(qcSpeedOf(world.body)), 0.05);
