@@ -33,9 +33,10 @@ typedef struct Thread
     _Alignas(64) pthread_t handle;
     uint32_t index; ///< its index in each loop: what it has in its caches is that index's share of the data
     pthread_cond_t woken;
-    atomic_bool sleeps; ///< cleared by whoever wakes it
-    cpu_set_t allowed;  ///< the cores that the host allows it
-    int excludedCore;   ///< of these, from its affinity; negative: none
+    atomic_bool sleeps;   ///< cleared by whoever wakes it
+    atomic_uint lastCall; ///< the call that woke it last
+    cpu_set_t allowed;    ///< the cores that the host allows it
+    int excludedCore;     ///< of these, from its affinity; negative: none
 } Thread;
 
 typedef struct Pool
@@ -51,7 +52,11 @@ typedef struct Pool
     /// The number of the loop, from bit 32; its count of indices, from bit 16, 0 once it is closed to threads; the
     /// number of threads in it.
     _Alignas(64) _Atomic uint64_t word;
-    atomic_uint wakeCount; ///< indices whose threads are to be awake
+    /// Indices whose threads are to be awake; 0 once their loop is closed.
+    atomic_uint wakeCount;
+    /// The number of times that threads were called. A call wakes each thread once at most: with more threads than
+    /// cores, those that are woken late would wake others that have given up spinning, and so on for ever.
+    atomic_uint calls;
     atomic_int callerCore; ///< of the last loop; negative: not known
     atomic_bool rests;     ///< threads don't spin until the next loop
     _Alignas(64) atomic_bool busy;
@@ -122,15 +127,16 @@ static void ExcludeCore(Thread* thread, int core)
         thread->excludedCore = core;
 }
 
-/// False: it did not sleep.
-static bool Wake(Pool* pool, Thread* thread)
+/// False: it did not sleep, or this call has woken it already.
+static bool Wake(Pool* pool, Thread* thread, unsigned call)
 {
-    if (!atomic_load(&thread->sleeps))
+    if (!atomic_load(&thread->sleeps) || atomic_load(&thread->lastCall) == call)
         return false;
     pthread_mutex_lock(&pool->mutex);
     bool slept = atomic_exchange(&thread->sleeps, false);
     if (slept)
     {
+        atomic_store(&thread->lastCall, call);
         ExcludeCore(thread, atomic_load(&pool->callerCore));
         pthread_cond_signal(&thread->woken);
     }
@@ -142,9 +148,10 @@ static bool Wake(Pool* pool, Thread* thread)
 static void WakeSome(Pool* pool)
 {
     uint32_t threads = atomic_load(&pool->threadCount), count = atomic_load(&pool->wakeCount);
+    unsigned call = atomic_load(&pool->calls);
     int woken = 0;
     for (uint32_t i = 0; i + 1 < count && i < threads && woken < qc_wokenByOne; i++)
-        woken += Wake(pool, &pool->threads[i]);
+        woken += Wake(pool, &pool->threads[i], call);
 }
 
 /// Sleeps until a loop has begun, threads are woken, or the process ends. False: it ends.
@@ -252,6 +259,7 @@ static bool IsEmpty(const void* context)
 static void ExpectThreads(Pool* pool, uint32_t count)
 {
     atomic_store(&pool->callerCore, sched_getcpu());
+    atomic_fetch_add(&pool->calls, 1);
     atomic_store(&pool->wakeCount, count);
 }
 
@@ -269,6 +277,7 @@ static void Begin(Pool* pool, uint32_t count, qcTask* task, void* taskContext)
 
 static void End(Pool* pool, uint32_t count)
 {
+    atomic_store(&pool->wakeCount, 0);
     atomic_fetch_sub(&pool->word, (uint64_t)count << 16);
     if (qcSpin_Until(IsEmpty, pool, s_maxSpin))
         return;

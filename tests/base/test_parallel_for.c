@@ -12,6 +12,7 @@
 #include <stdatomic.h>
 #include <stdio.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 //  ---- hosts -------------------------------------------------------------------------------------------------------
@@ -317,6 +318,41 @@ START_TEST(threads_that_sleep_are_woken_by_the_next_loop)
 }
 END_TEST
 
+static void SpendTime(void* context, size_t index, uint32_t worker)
+{
+    (void)context, (void)index, (void)worker;
+    usleep(100);
+}
+
+/// Milliseconds that the cores have spent on the process.
+static double ProcessorMs(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+    return 1e3 * (double)time.tv_sec + 1e-6 * (double)time.tv_nsec;
+}
+
+START_TEST(more_threads_than_cores_sleep_when_no_loop_runs)
+{
+    Use(NULL);
+    for (uint32_t threads = 4; threads <= 64; threads *= 4)
+        for (bool called = false;; called = true)
+        {
+            for (int i = 0; i < 10; i++)
+                qcParallel_For(threads, 2 * threads, 1, SpendTime, NULL);
+            if (called)
+                qcParallel_Wake(threads);
+            // Threads spin for a while.
+            usleep(100000);
+            double begin = ProcessorMs();
+            usleep(200000);
+            ck_assert_double_lt(ProcessorMs() - begin, 40.0);
+            if (called)
+                break;
+        }
+}
+END_TEST
+
 START_TEST(threads_that_rest_run_the_next_loop)
 {
     static Ranges ranges;
@@ -584,6 +620,7 @@ int main(void)
     tcase_add_test(tests, the_largest_come_first_if_one_worker_takes_all);
     tcase_add_test(tests, indices_behind_a_long_one_are_stolen);
     tcase_add_test(tests, threads_that_sleep_are_woken_by_the_next_loop);
+    tcase_add_test(tests, more_threads_than_cores_sleep_when_no_loop_runs);
     tcase_add_test(tests, threads_that_rest_run_the_next_loop);
     tcase_add_loop_test(tests, hosts_that_change_step_by_step_give_the_results_of_one_thread, 0, qc_questionCount);
     tcase_add_test(tests, scenes_on_two_threads_share_a_host);
