@@ -22,6 +22,8 @@ namespace
 // Sweeps over all contacts in a round. On the falling cloth of the main demo, 4 leave penetrating pairs for the next
 // round in most steps with deep folds, 8 seldom.
 constexpr int s_iterations = 8;
+// Further sweeps that restore gaps.
+constexpr int s_recoveryIterations = 4;
 // One round would cost least, but leaves tangles and crumpled folds to planes alone.
 constexpr int s_contactRounds = 4;
 // Rounds of planes, and sweeps over all planes in each.
@@ -115,7 +117,11 @@ void qcSoftBodyContact::Implementation::SolveConstraints()
     double begin = qcNowMs();
     if (solvesLinks)
         qcCollectLinks(scene, &m_links);
+    // Links pull against what is restored in each step: without its velocity nodes at rest would have that of the pull.
+    qcAddRecovery(&m_constraints, qcGapRecoveryOf(m_timeStep), !solvesLinks);
     qcSolveSoftConstraints(&m_constraints, m_links, &m_rigidNodeContacts, s_iterations);
+    if (!solvesLinks)
+        qcRestoreGaps(scene, &m_constraints, &m_rigidNodeContacts, qcGapRecovery, s_recoveryIterations);
     scene.meshes.Commit();
     m_isCertified = m_isDetected = false;
     statistics.respondMs += qcNowMs() - begin;
@@ -525,6 +531,7 @@ qcStatus qcSoftBodyContact::Implementation::LimitRigids(btScalar timeStep)
 qcStatus qcSoftBodyContact::Implementation::RunStages(btScalar timeStep)
 {
     double begin = qcNowMs();
+    m_timeStep = timeStep;
     // The deformable world runs actions, which limit rigid meshes, after the soft bodies.
     qcRigidLimits* limits = FindLimits();
     if (!solvesLinks && limits != nullptr)

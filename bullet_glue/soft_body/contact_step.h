@@ -87,6 +87,7 @@ struct qcSoftBodyContact::Implementation
     qcStatus LimitRigids(btScalar timeStep);
     qcStatus RunStages(btScalar timeStep);
 
+    btScalar m_timeStep = 0;
     std::vector<qcSoftConstraint> m_constraints;
     std::vector<size_t> m_contactOfConstraint; ///< index in the result
     std::vector<qcSoftLink> m_links;

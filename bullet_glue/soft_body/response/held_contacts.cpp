@@ -120,7 +120,7 @@ void qcHeldContacts::Insert(qcSoftBodyScene& scene)
         m_nodes[i].m_x = inserted.end;
         btScalar gap = inserted.normal.dot(StartOf(*inserted.soft, *inserted.contact) - inserted.start);
         const btScalar held = qcHeldShare * inserted.contact->thickness;
-        btScalar distance = gap < held ? gap + qcGapRecovery * (held - gap) : held;
+        btScalar distance = gap < held ? gap + qcGapRecoveryOf(inserted.soft->body->m_sst.sdt) * (held - gap) : held;
         btSoftBody::SContact contact;
         Fill(*inserted.soft, *inserted.contact, inserted.normal, distance, &m_nodes[i], &m_faces[i], &contact);
         inserted.soft->body->m_scontacts.push_back(contact);

@@ -86,9 +86,9 @@ bool Solve(qcSoftConstraint& constraint)
     return true;
 }
 
-/// Sets normal and distance so that each side stays on its side of the other, as at the start of the step. `recovery`:
-/// share of the missing gap that this step restores.
-void Orient(btScalar thickness, const btVector3& normal, btScalar recovery, qcSoftConstraint* constraint)
+/// Sets normal and distance so that each side stays on its side of the other, as at the start of the step. `atOnce`: at
+/// the whole thickness.
+void Orient(btScalar thickness, const btVector3& normal, bool atOnce, qcSoftConstraint* constraint)
 {
     constraint->normal = normal;
     constraint->thickness = thickness;
@@ -99,8 +99,8 @@ void Orient(btScalar thickness, const btVector3& normal, btScalar recovery, qcSo
         constraint->normal = -normal;
         startDistance = -startDistance;
     }
-    constraint->distance =
-        startDistance >= thickness ? thickness : startDistance + recovery * (thickness - startDistance);
+    constraint->distance = atOnce ? thickness : std::min(startDistance, thickness);
+    constraint->missing = thickness - constraint->distance;
 }
 
 btVector3 PointOf(const qcSceneSoftBody& soft, const uint32_t vertices[3], const double weights[3])
@@ -227,7 +227,7 @@ bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], con
     constraint->startOffset -= rigid.start * place.start;
     constraint->friction = soft.FrictionOn(*rigid.object);
     // What lies on a shape that has other triangles now goes with them at once.
-    Orient(thickness, normal, rigid.isReshaped ? btScalar(1) : qcGapRecovery, constraint);
+    Orient(thickness, normal, rigid.isReshaped, constraint);
     // Contact wakes the rigid body, as Bullet's own contact of soft bodies does. It moves from the next step on.
     if (soft.moves)
         rigid.Wake();
@@ -261,8 +261,10 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
             if (constraint.inverseEffectiveMass <= 0)
                 continue;
             constraint.friction = view.friction;
-            Orient(view.thickness, view.normal, qcGapRecovery, &constraint);
+            Orient(view.thickness, view.normal, false, &constraint);
         }
+        const uint32_t slotA = result.contacts[i].bodyA, slotB = result.contacts[i].bodyB;
+        constraint.isTangled = tangles.Contains(slotA, slotB) || tangles.Contains(slotB, slotA);
         constraints->push_back(constraint);
         contactOf->push_back(i);
     }
@@ -288,4 +290,42 @@ void qcSolveSoftConstraints(std::vector<qcSoftConstraint>* constraints, const st
             movedCount = qcPartitionMovedContacts(rigidNodeContacts);
         qcSolveRigidNodeContacts(rigidNodeContacts, i + 1 < iterations ? movedCount : rigidNodeContacts->size());
     }
+}
+
+void qcAddRecovery(std::vector<qcSoftConstraint>* constraints, btScalar share, bool onlyTangled)
+{
+    for (qcSoftConstraint& constraint : *constraints)
+        if (constraint.isTangled || !onlyTangled)
+        {
+            constraint.distance += share * constraint.missing;
+            constraint.missing = 0;
+        }
+}
+
+void qcRestoreGaps(qcSoftBodyScene& scene, std::vector<qcSoftConstraint>* constraints,
+                   std::vector<qcRigidNodeContact>* rigidNodeContacts, btScalar share, int iterations)
+{
+    if (std::none_of(constraints->begin(), constraints->end(),
+                     [](const qcSoftConstraint& constraint) { return constraint.missing > 0; }))
+        return;
+    std::vector<std::vector<btVector3>> positions;
+    for (const qcSceneSoftBody& soft : scene.Bodies())
+        positions.push_back(soft.inContact ? soft.positions : std::vector<btVector3>());
+    for (const std::unique_ptr<qcSceneRigid>& rigid : scene.meshes.Rigids())
+        rigid->BeginRecovery();
+    qcAddRecovery(constraints, share, false);
+    // Rigid bodies get impulses only for what gives the nodes velocities.
+    const std::vector<qcRigidNodeContact> contacts = *rigidNodeContacts;
+    qcSolveSoftConstraints(constraints, {}, rigidNodeContacts, iterations);
+    *rigidNodeContacts = contacts;
+    for (size_t i = 0; i < positions.size(); i++)
+    {
+        qcSceneSoftBody& soft = scene.Bodies()[i];
+        if (!positions[i].empty())
+            soft.shifts.resize(soft.positions.size(), btVector3(0, 0, 0));
+        for (size_t node = 0; node < positions[i].size(); node++)
+            soft.shifts[node] += soft.positions[node] - positions[i][node];
+    }
+    for (const std::unique_ptr<qcSceneRigid>& rigid : scene.meshes.Rigids())
+        rigid->EndRecovery();
 }

@@ -6,9 +6,17 @@
 #include "soft_body/response/rope_links.h"
 #include "soft_body/response/tangles.h"
 
-/// The share of a gap missing at the start of the step that one step restores. The whole gap at once would throw the
-/// surfaces apart, since positions become velocities.
+#include <algorithm>
+
+/// The share of a gap missing at the start of the step that one step restores.
 constexpr btScalar qcGapRecovery = btScalar(0.2);
+
+/// Likewise where positions become velocities: in shorter steps than 1/60 s less, so that surfaces are not thrown apart
+/// the faster, the shorter the step.
+inline btScalar qcGapRecoveryOf(btScalar timeStep)
+{
+    return std::min(qcGapRecovery, btScalar(12.5) * timeStep);
+}
 
 /// A contact of the result with its bodies. Side A is a soft body; side B another one, the same one, or a mesh.
 struct qcSoftContactView
@@ -42,6 +50,8 @@ struct qcSoftConstraint
     btVector3 normal;
     btVector3 startOffset{0, 0, 0}; ///< the weighted sum at the start of the step
     btScalar distance = 0;
+    btScalar missing = 0;   ///< of the thickness, at the start of the step; a part of it is to be restored
+    bool isTangled = false; ///< its two bodies are
     btScalar thickness = 0; ///< contact distance; `distance` is less where a gap is restored over several steps
     btScalar friction = 0;
     /// For ropes: friction and normal push are bounded as sums over all sweeps, so that friction takes back what links,
@@ -80,5 +90,14 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
 /// the next Commit.
 void qcSolveSoftConstraints(std::vector<qcSoftConstraint>* constraints, const std::vector<qcSoftLink>& links,
                             std::vector<qcRigidNodeContact>* rigidNodeContacts, int iterations);
+
+/// Has the constraints restore this share of the gaps that were missing at the start of the step, with the velocity
+/// that it gives; `onlyTangled`: those of tangled bodies, which come apart by it.
+void qcAddRecovery(std::vector<qcSoftConstraint>* constraints, btScalar share, bool onlyTangled);
+
+/// Restores such gaps after the sweeps, in further ones, as a motion without velocity: see qcSceneSoftBody::shifts and
+/// qcSceneRigid::recovered. Only what pushes multibodies gives velocities.
+void qcRestoreGaps(qcSoftBodyScene& scene, std::vector<qcSoftConstraint>* constraints,
+                   std::vector<qcRigidNodeContact>* rigidNodeContacts, btScalar share, int iterations);
 
 #endif

@@ -433,7 +433,7 @@ std::vector<qcUntanglement> qcFindUntanglements(const qcIntersectionCurves& curv
 void qcUntangle(qcSoftBodyScene& scene, const std::vector<qcUntanglement>& untanglements)
 {
     for (qcSceneSoftBody& soft : scene.Bodies())
-        soft.shifts.assign(soft.positions.size(), btVector3(0, 0, 0));
+        soft.shifts.resize(soft.positions.size(), btVector3(0, 0, 0));
     uint32_t vertexCount = 0;
     for (const qcUntanglement& tangle : untanglements)
         for (const qcCurveSide& side : tangle.curve->sides)

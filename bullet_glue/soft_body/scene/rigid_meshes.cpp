@@ -96,7 +96,7 @@ void ReadState(qcSceneRigid* rigid, const btTransform& start)
     rigid->activity = activity;
     rigid->solved = rigid->object->getWorldTransform();
     rigid->start = start;
-    rigid->moved = qcRigidDisplacement();
+    rigid->moved = rigid->recovered = qcRigidDisplacement();
     rigid->fromStart = rigid->isFixed = false;
 }
 } // namespace
@@ -625,13 +625,15 @@ void qcSoftBodyMeshes::UpdateVelocities(btScalar timeStep)
         }
         else
         {
-            body->setLinearVelocity(body->getLinearVelocity() + rigid->moved.linear / timeStep);
-            body->setAngularVelocity(body->getAngularVelocity() + rigid->moved.angular / timeStep);
+            const btVector3 linear = rigid->moved.linear - rigid->recovered.linear,
+                            angular = rigid->moved.angular - rigid->recovered.angular;
+            body->setLinearVelocity(body->getLinearVelocity() + linear / timeStep);
+            body->setAngularVelocity(body->getAngularVelocity() + angular / timeStep);
         }
         // Also sets Bullet's interpolation transform and the inertia tensor in world space.
         body->setCenterOfMassTransform(btTransform(rigid->object->getWorldTransform()));
         rigid->fromStart = false;
-        rigid->moved = qcRigidDisplacement();
+        rigid->moved = rigid->recovered = qcRigidDisplacement();
     }
     for (const std::unique_ptr<qcMultiBodyMotion>& multibody : m_multibodies)
         multibody->UpdateVelocities(timeStep);

@@ -26,9 +26,10 @@ struct qcSceneRigid
     btTransform start = btTransform::getIdentity();  ///< of the object, at the start of the step
     btTransform solved = btTransform::getIdentity(); ///< of the object, after Bullet's own solvers
 
-    bool isGuided = false;      ///< it can move, and not in all directions alike: joints or factors guide it
-    qcRigidDisplacement pushed; ///< of its body, by contacts since the last Commit
-    qcRigidDisplacement moved;  ///< of its body, by Commit since the last UpdateVelocities
+    bool isGuided = false;         ///< it can move, and not in all directions alike: joints or factors guide it
+    qcRigidDisplacement pushed;    ///< of its body, by contacts since the last Commit
+    qcRigidDisplacement moved;     ///< of its body, by Commit since the last UpdateVelocities
+    qcRigidDisplacement recovered; ///< the part of `moved` that gives no velocity
     bool isFixed = false; ///< contacts of this step move it no further: its limits have stopped it, or it has returned
     bool fromStart = false; ///< a zone moves it from the start of the step, which determines its velocity, too
     bool hasEnd = false;    ///< the object was in the previous step
@@ -45,6 +46,17 @@ struct qcSceneRigid
     qcRigidDisplacement DisplacementBy(const btVector3& arm, const btVector3& push) const;
     /// Adds the motion by this push: of the object, or of all links of its multibody.
     void Push(const btVector3& arm, const btVector3& push);
+    /// Pushes from here to EndRecovery give its body no velocity.
+    void BeginRecovery()
+    {
+        recovered.linear -= pushed.linear;
+        recovered.angular -= pushed.angular;
+    }
+    void EndRecovery()
+    {
+        recovered.linear += pushed.linear;
+        recovered.angular += pushed.angular;
+    }
     /// Displacement by the pushes since the last Commit.
     const qcRigidDisplacement& Pushed() const
     {

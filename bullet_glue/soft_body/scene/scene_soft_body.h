@@ -52,7 +52,8 @@ struct qcSceneSoftBody
     btVector3 collectedBox[2];        ///< the scene has the meshes in it
     bool isSolvedStretched = false;   ///< qcIsStretchedChain from `start` to `solved`
     std::vector<btVector3> positions; ///< after contacts so far; copied to Bullet's nodes at the end of the step
-    /// The parts of the positions that untangling added in this step; they give no velocity. Empty: none.
+    /// The parts of the positions that untangling, or in the deformable world the restoring of gaps, added in this step;
+    /// they give no velocity. Empty: none.
     std::vector<btVector3> shifts;
     std::vector<bool> pinned; ///< nodes that contacts don't move; empty: none
     /// Nodes that are anchored to a rigid object: their triangles don't collide with that, since an anchor may lie

@@ -422,6 +422,30 @@ START_TEST(a_plate_without_response_does_not_wake_a_sleeping_sheet)
 }
 END_TEST
 
+START_TEST(sheets_that_start_closer_than_their_thickness_are_not_thrown)
+{
+    for (btScalar step : {btScalar(1.0 / 60), btScalar(1.0 / 240), btScalar(1.0 / 1000)})
+    {
+        // Without forces: what moves is thrown.
+        World<qcDeformableWorld> world;
+        for (int layer = 0; layer < 4; layer++)
+        {
+            btSoftBody* sheet = world.AddSheet(btScalar(0.002) * btScalar(layer + 1), 0, 10);
+            world.world->removeForce(sheet, &world.springs);
+            world.world->removeForce(sheet, &world.gravity);
+        }
+        for (int i = 0; i < 100; i++)
+        {
+            world.world->stepSimulation(step, 0);
+            ck_assert_int_eq(world.world->getStatistics().remaining, 0);
+            for (const btSoftBody* sheet : world.cloths)
+                ck_assert_double_lt(double(qcSpeedOf(sheet)), 0.01);
+        }
+        ck_assert_double_gt(double(qcLowestNode(world.cloths[3])), 0.03);
+    }
+}
+END_TEST
+
 START_TEST(a_sheet_at_rest_falls_asleep_where_it_lies_and_wakes)
 {
     World<qcDeformableWorld> world;
@@ -448,4 +472,5 @@ QC_RUN_TESTS("deformable", a_folded_deformable_cloth_comes_to_rest_untangled,
              two_runs_agree_bit_by_bit, a_sheet_at_rest_that_the_application_moves_into_the_floor_stays_at_rest,
              a_moving_plate_wakes_a_sleeping_sheet_and_takes_it_along,
              a_plate_without_response_does_not_wake_a_sleeping_sheet,
+             sheets_that_start_closer_than_their_thickness_are_not_thrown,
              a_sheet_at_rest_falls_asleep_where_it_lies_and_wakes)

@@ -593,9 +593,40 @@ START_TEST(all_memory_is_freed)
     ck_assert_uint_eq(qcGetByteCount(), 0);
 }
 END_TEST
+/// The highest mean speed of cloths that start closer to each other and to the floor than their thickness, without
+/// gravity.
+double SpeedOfShortGaps(btScalar step)
+{
+    World world;
+    world.world.setGravity(btVector3(0, 0, 0));
+    world.world.getWorldInfo().m_gravity.setZero();
+    for (int layer = 1; layer <= 3; layer++)
+    {
+        btScalar y = btScalar(0.002) * btScalar(layer);
+        world.AddCloth(btVector3(-1, y, -1), btVector3(1, y, -1), btVector3(-1, y, 1), btVector3(1, y, 1), 8);
+    }
+    double fastest = 0;
+    for (int i = 0; i < 50; i++)
+    {
+        world.world.stepSimulation(step, 0);
+        for (const btSoftBody* cloth : world.cloths)
+            fastest = std::max(fastest, double(qcSpeedOf(cloth)));
+    }
+    return fastest;
+}
+
+START_TEST(cloths_that_start_closer_than_their_thickness_are_thrown_no_faster_in_short_steps)
+{
+    const double fastest = SpeedOfShortGaps(btScalar(1.0 / 60));
+    ck_assert_double_lt(fastest, 0.4);
+    for (btScalar step : {btScalar(1.0 / 240), btScalar(1.0 / 1000)})
+        ck_assert_double_lt(SpeedOfShortGaps(step), 1.5 * fastest);
+}
+END_TEST
 } // namespace
 
-QC_RUN_TESTS("soft body", a_falling_cloth_never_penetrates_itself,
+QC_RUN_TESTS("soft body", cloths_that_start_closer_than_their_thickness_are_thrown_no_faster_in_short_steps,
+             a_falling_cloth_never_penetrates_itself,
              an_uneven_cloth_that_is_not_deformed_is_not_in_contact_with_itself,
              a_falling_cloth_penetrates_itself_without_self_collision, cloths_that_fall_on_each_other_stay_apart,
              cloths_that_the_broadphase_filters_do_not_touch, layers_that_land_on_a_free_box_keep_momentum,
