@@ -13,6 +13,9 @@
 #include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
+#include <BulletSoftBody/btSoftBodySolvers.h>
 
 #include <mutex>
 
@@ -26,6 +29,16 @@ std::mutex s_liveObjects;
 const btCollisionObjectWrapper* RigidOf(const btCollisionObjectWrapper* a, const btCollisionObjectWrapper* b)
 {
     return a->getCollisionShape()->getShapeType() == SOFTBODY_SHAPE_PROXYTYPE ? b : a;
+}
+
+/// False where Bullet's deformable solver would read an impulse matrix that its test of nodes has not set: it sets that
+/// for rigid bodies and links alone, and sensors threw the nodes in them away.
+bool AnswersNodes(const btCollisionObject* soft, const btCollisionObject* object)
+{
+    const btSoftBody* body = btSoftBody::upcast(soft);
+    return body == nullptr || body->m_softBodySolver == nullptr ||
+           const_cast<btSoftBody*>(body)->getSoftBodySolver()->getSolverType() != btSoftBodySolver::DEFORMABLE_SOLVER ||
+           btRigidBody::upcast(object) != nullptr || btMultiBodyLinkCollider::upcast(object) != nullptr;
 }
 } // namespace
 
@@ -59,6 +72,8 @@ class qcAlgorithmOverride::Gate : public btCollisionAlgorithm
             m_scene.liveObjects.emplace_back(rigid->getCollisionObject());
             return;
         }
+        if (!AnswersNodes(soft->getCollisionObject(), rigid->getCollisionObject()))
+            return;
         const bool wasInBullets = t_isInBullets;
         t_isInBullets = true;
         m_original->processCollision(body0, body1, info, result);

@@ -5,6 +5,7 @@
 #include "bullet/soft_body/deformable_test_world.h"
 #include "bullet/soft_body/soft_world.h"
 
+#include <BulletCollision/CollisionDispatch/btGhostObject.h>
 #include <BulletSoftBody/btDeformableGravityForce.h>
 #include <BulletSoftBody/btDeformableMassSpringForce.h>
 #include <BulletSoftBody/btSoftBodyHelpers.h>
@@ -422,6 +423,37 @@ START_TEST(a_plate_without_response_does_not_wake_a_sleeping_sheet)
 }
 END_TEST
 
+/// Positions of the nodes of two sheets after they have fallen on each other, with a sensor around them or without.
+std::vector<btVector3> FallThroughSensor(bool hasSensor)
+{
+    World<qcDeformableWorld> world;
+    world.AddSheet(btScalar(0.1), 0, 8);
+    world.AddSheet(btScalar(0.2), btScalar(0.3), 8);
+    btBoxShape shape(btVector3(1, 1, 1));
+    btPairCachingGhostObject sensor;
+    sensor.setCollisionShape(&shape);
+    sensor.setCollisionFlags(sensor.getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE);
+    if (hasSensor)
+        world.world->addCollisionObject(&sensor);
+    world.StepApart(120);
+    if (hasSensor)
+        world.world->removeCollisionObject(&sensor);
+    std::vector<btVector3> positions;
+    for (const btSoftBody* sheet : world.cloths)
+        for (int i = 0; i < sheet->m_nodes.size(); i++)
+            positions.push_back(sheet->m_nodes[i].m_x);
+    return positions;
+}
+
+START_TEST(a_sensor_changes_nothing)
+{
+    const std::vector<btVector3> without = FallThroughSensor(false), with = FallThroughSensor(true);
+    ck_assert_uint_eq(with.size(), without.size());
+    for (size_t i = 0; i < with.size(); i++)
+        ck_assert(with[i] == without[i]);
+}
+END_TEST
+
 START_TEST(sheets_that_start_closer_than_their_thickness_are_not_thrown)
 {
     for (btScalar step : {btScalar(1.0 / 60), btScalar(1.0 / 240), btScalar(1.0 / 1000)})
@@ -471,6 +503,6 @@ QC_RUN_TESTS("deformable", a_folded_deformable_cloth_comes_to_rest_untangled,
              contacts_stand_in_manifolds_until_the_next_step, a_node_that_is_not_finite_is_named_and_nothing_crashes,
              two_runs_agree_bit_by_bit, a_sheet_at_rest_that_the_application_moves_into_the_floor_stays_at_rest,
              a_moving_plate_wakes_a_sleeping_sheet_and_takes_it_along,
-             a_plate_without_response_does_not_wake_a_sleeping_sheet,
+             a_plate_without_response_does_not_wake_a_sleeping_sheet, a_sensor_changes_nothing,
              sheets_that_start_closer_than_their_thickness_are_not_thrown,
              a_sheet_at_rest_falls_asleep_where_it_lies_and_wakes)
