@@ -39,8 +39,10 @@ void qcSoftBodyContact::Implementation::BeginStep(const btAlignedObjectArray<btS
 {
     manifolds.Release();
     scene.liveObjects.clear();
+    // A body whose world info has no dispatcher has Bullet's contact; it takes that of this library from no other.
     for (int i = 0; i < bodies.size(); i++)
-        algorithmOverride.Register(bodies[i]->getWorldInfo()->m_dispatcher);
+        if (bodies[i]->getWorldInfo()->m_dispatcher != nullptr)
+            algorithmOverride.Register(bodies[i]->getWorldInfo()->m_dispatcher);
 }
 
 void qcSoftBodyContact::Implementation::ReadStart(const btAlignedObjectArray<btSoftBody*>& bodies,

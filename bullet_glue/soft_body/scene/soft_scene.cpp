@@ -90,7 +90,8 @@ void qcSoftBodyScene::UntrackRemoved(const btAlignedObjectArray<btSoftBody*>& bo
         bool same = (isNext || bodies.findLinearSearch(tracked.body) < bodies.size()) &&
                     tracked.uniqueId == qcUniqueIdOf(tracked.body);
         if (same && tracked.start.size() == size_t(tracked.NodeCount()) &&
-            qcIsTopologyOf(tracked.topology, tracked.body) && IsFinite(tracked.body, start))
+            qcIsTopologyOf(tracked.topology, tracked.body) && !qcIsScaled(tracked.topology, tracked.body) &&
+            IsFinite(tracked.body, start))
             return false;
         qcScene_RemoveBody(m_scene, tracked.id);
         auto setting = m_settings.find(tracked.body);

@@ -108,6 +108,13 @@ btScalar DefaultThicknessOf(const btSoftBody* body, const qcSoftTopology& topolo
     return topology.ropeCount > 0 ? sum / btScalar(topology.ropeCount) * s_ropeThickness : btScalar(0);
 }
 
+/// The rest length of the first link, the one in the middle or the last.
+btScalar RestLengthAt(const btSoftBody* body, int which)
+{
+    const int count = body->m_links.size();
+    return count > 0 ? body->m_links[which * (count - 1) / 2].m_rl : btScalar(0);
+}
+
 bool IsChain(const btSoftBody* body, const qcSoftTopology& topology)
 {
     bool isChain = topology.faceCount == 0 && topology.ropeCount + 1 == size_t(body->m_nodes.size()) &&
@@ -138,6 +145,8 @@ qcSoftTopology qcTopologyOf(const btSoftBody* body)
             topology.indices.insert(topology.indices.end(), 3, uint32_t(i));
     topology.defaultThickness = DefaultThicknessOf(body, topology);
     topology.isChain = IsChain(body, topology);
+    for (int i = 0; i < 3; i++)
+        topology.restLengths[i] = RestLengthAt(body, i);
     return topology;
 }
 
@@ -179,4 +188,15 @@ bool qcIsTopologyOf(const qcSoftTopology& topology, const btSoftBody* body)
     return topology.linkCount == -1 ||
            (topology.linkCount == body->m_links.size() &&
             std::all_of(topology.looseLinks.begin(), topology.looseLinks.end(), isUnchanged));
+}
+
+bool qcIsScaled(const qcSoftTopology& topology, const btSoftBody* body)
+{
+    for (int i = 0; i < 3; i++)
+    {
+        const btScalar before = topology.restLengths[i], now = RestLengthAt(body, i);
+        if (!(btFabs(now - before) > btScalar(0.1) * before))
+            return false;
+    }
+    return true;
 }

@@ -22,6 +22,8 @@ struct qcSoftTopology
     /// The thickness where the settings give 0: half the mean edge of the faces; in a body without faces an eighth of
     /// the mean length of its rope links; 0 without either.
     btScalar defaultThickness = 0;
+    /// Rest lengths of the first link, the one in the middle and the last, for qcIsScaled. 0 without links.
+    btScalar restLengths[3] = {0, 0, 0};
     /// Each node but the last has a rope link to the next one, and nothing else collides.
     bool isChain = false;
 };
@@ -34,5 +36,8 @@ qcSoftTopology qcTopologyOf(const btSoftBody* body);
 btScalar qcClearHeightOf(const btSoftBody* body, const qcSoftTopology& topology);
 /// True if a body with the same number of nodes still has this topology. O(faces + looseLinks).
 bool qcIsTopologyOf(const qcSoftTopology& topology, const btSoftBody* body);
+/// True if links have been given other rest lengths, by a tenth at least, as btSoftBody::scale does: the default
+/// thickness is that of another body. O(1).
+bool qcIsScaled(const qcSoftTopology& topology, const btSoftBody* body);
 
 #endif

@@ -593,6 +593,28 @@ START_TEST(all_memory_is_freed)
     ck_assert_uint_eq(qcGetByteCount(), 0);
 }
 END_TEST
+START_TEST(a_cloth_that_is_scaled_in_the_world_has_the_thickness_of_its_new_size)
+{
+    World world;
+    const btScalar y = btScalar(0.1);
+    btSoftBody* cloth =
+        world.AddCloth(btVector3(-1, y, -1), btVector3(1, y, -1), btVector3(-1, y, 1), btVector3(1, y, 1), 12);
+    cloth->getCollisionShape()->setMargin(btScalar(0.2));
+    for (int i = 0; i < 60; i++)
+        world.Step();
+    cloth->scale(btVector3(btScalar(0.2), btScalar(0.2), btScalar(0.2)));
+    cloth->translate(btVector3(0, btScalar(0.1), 0));
+    for (int i = 0; i < 240; i++)
+        world.Step();
+    ck_assert_double_lt(double(qcSpeedOf(cloth)), 0.02);
+    for (int i = 0; i < cloth->m_nodes.size(); i++)
+    {
+        ck_assert_double_lt(double(btFabs(cloth->m_nodes[i].m_x.x())), 0.22);
+        ck_assert_double_lt(double(cloth->m_nodes[i].m_x.y()), 0.1);
+    }
+}
+END_TEST
+
 /// The highest mean speed of cloths that start closer to each other and to the floor than their thickness, without
 /// gravity.
 double SpeedOfShortGaps(btScalar step)
@@ -625,7 +647,8 @@ START_TEST(cloths_that_start_closer_than_their_thickness_are_thrown_no_faster_in
 END_TEST
 } // namespace
 
-QC_RUN_TESTS("soft body", cloths_that_start_closer_than_their_thickness_are_thrown_no_faster_in_short_steps,
+QC_RUN_TESTS("soft body", a_cloth_that_is_scaled_in_the_world_has_the_thickness_of_its_new_size,
+             cloths_that_start_closer_than_their_thickness_are_thrown_no_faster_in_short_steps,
              a_falling_cloth_never_penetrates_itself,
              an_uneven_cloth_that_is_not_deformed_is_not_in_contact_with_itself,
              a_falling_cloth_penetrates_itself_without_self_collision, cloths_that_fall_on_each_other_stay_apart,

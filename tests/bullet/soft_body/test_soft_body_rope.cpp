@@ -370,6 +370,31 @@ START_TEST(a_rope_lies_on_a_rope_and_on_a_cloth)
 }
 END_TEST
 
+/// Bullet has prepared the links of the next step by then, and may throw the rope itself.
+void LightenNodes(btDynamicsWorld* world, btScalar)
+{
+    btSoftBody* rope = static_cast<btSoftRigidDynamicsWorld*>(world)->getSoftBodyArray()[0];
+    for (int i = 5; i < 15 && rope->m_nodes[i].m_im < 5; i += 2)
+        rope->setMass(i, btScalar(0.1));
+}
+
+START_TEST(a_callback_may_make_nodes_lighter)
+{
+    RopeWorld world;
+    btBoxShape bar(btVector3(btScalar(0.2), btScalar(0.1), btScalar(0.5)));
+    world.AddBody(&bar, 0, btVector3(0, 1, 0));
+    btSoftBody* rope = world.AddRope(btVector3(-1, btScalar(1.3), 0), btVector3(1, btScalar(1.3), 0), 20);
+    rope->setTotalMass(20);
+    for (int i = 0; i < 120; i++)
+    {
+        world.world.setInternalTickCallback(i == 60 ? LightenNodes : nullptr, nullptr, false);
+        world.world.stepSimulation(s_ropeStep, 0);
+        ck_assert_int_eq(world.softSolver.getStatistics().status, qc_statusOk);
+    }
+    world.RemoveAll();
+}
+END_TEST
+
 /// In the deformable world links are springs.
 START_TEST(a_rope_of_springs_stays_draped_and_is_caught_by_a_pole)
 {
@@ -423,4 +448,5 @@ QC_RUN_TESTS("soft_body_rope", a_rope_thrown_over_a_cylinder_stays_draped,
              a_rope_stays_where_it_creeps_with_bullets_own_solver, a_link_is_caught_by_a_pole_between_its_nodes,
              a_ring_hangs_on_a_rope, momentum_is_kept_between_a_rope_and_a_free_mesh, a_kinematic_pole_lifts_a_rope,
              bending_links_and_braces_do_not_push, links_may_be_added_and_removed_between_two_steps,
-             a_rope_lies_on_a_rope_and_on_a_cloth, a_rope_of_springs_stays_draped_and_is_caught_by_a_pole)
+             a_rope_lies_on_a_rope_and_on_a_cloth, a_callback_may_make_nodes_lighter,
+             a_rope_of_springs_stays_draped_and_is_caught_by_a_pole)
