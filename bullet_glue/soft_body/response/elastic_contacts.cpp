@@ -112,8 +112,7 @@ void qcElasticContacts::AddSpring(qcSoftBodyScene& scene, const Kept& kept, qcPr
     {
         const qcSceneSoftBody& soft = *softs[kept.sides[i]];
         // What the application moves is no motion to be held.
-        if (int(kept.nodes[i]) >= soft.NodeCount() ||
-            (!soft.applied.empty() && !soft.applied[kept.nodes[i]].isZero()))
+        if (int(kept.nodes[i]) >= soft.NodeCount() || (!soft.applied.empty() && !soft.applied[kept.nodes[i]].isZero()))
             return;
         const btSoftBody::Node& node = soft.body->m_nodes[int(kept.nodes[i])];
         spring.nodes[i] = node.index;

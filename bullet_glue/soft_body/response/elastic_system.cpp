@@ -12,11 +12,15 @@ namespace
 // Stiffness of a spring, in units of that of its nodes with all others fixed. Softer ones leave more of a load to the
 // contacts that follow, which know no elasticity; stiffer ones take more iterations.
 constexpr btScalar s_stiffness = 20;
-// Iterations and rounds only change how exact the solution is. A resting stack takes one round of 15 to 25.
+// Iterations and rounds only change how exact the solution is. A resting load takes one round, of 15 to 60.
 constexpr int s_maxIterations = 100, s_maxRounds = 4;
-constexpr btScalar s_tolerance = btScalar(1e-2);
+// The residual at the end, as a share of the forces of the springs; iterations from one look at it to the next.
+constexpr btScalar s_tolerance = btScalar(0.03);
+constexpr int s_checkInterval = 4;
 // Changes of a friction's share that are worth another round.
 constexpr btScalar s_heldChange = btScalar(0.1);
+// Steps after which what resists single nodes is found anew.
+constexpr int s_maxAge = 100;
 
 btMatrix3x3 Scaled(btScalar s)
 {
@@ -46,6 +50,39 @@ double Dot(const qcElasticSystem::Vector& a, const qcElasticSystem::Vector& b)
     return sum;
 }
 
+/// A colour for each node, so that neighbours have different ones: those that a link or a tetrahedron connects.
+std::vector<int> ColourNodes(size_t count, const std::vector<qcSceneSoftBody*>& bodies)
+{
+    std::vector<std::vector<int>> neighbours(count);
+    auto connect = [&neighbours](const btSoftBody::Node* a, const btSoftBody::Node* b)
+    {
+        neighbours[size_t(a->index)].push_back(b->index);
+        neighbours[size_t(b->index)].push_back(a->index);
+    };
+    for (const qcSceneSoftBody* soft : bodies)
+    {
+        for (int i = 0; i < soft->body->m_links.size(); i++)
+            connect(soft->body->m_links[i].m_n[0], soft->body->m_links[i].m_n[1]);
+        for (int i = 0; i < soft->body->m_tetras.size(); i++)
+            for (int k = 0; k < 6; k++)
+            {
+                static const int s_edges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+                btSoftBody::Node* const* nodes = soft->body->m_tetras[i].m_n;
+                connect(nodes[s_edges[k][0]], nodes[s_edges[k][1]]);
+            }
+    }
+    std::vector<int> colours(count, -1);
+    for (size_t i = 0; i < count; i++)
+    {
+        std::vector<bool> isTaken(neighbours[i].size() + 1, false);
+        for (int neighbour : neighbours[i])
+            if (colours[size_t(neighbour)] >= 0 && size_t(colours[size_t(neighbour)]) < isTaken.size())
+                isTaken[size_t(colours[size_t(neighbour)])] = true;
+        colours[i] = int(std::find(isTaken.begin(), isTaken.end(), false) - isTaken.begin());
+    }
+    return colours;
+}
+
 void SetZero(qcElasticSystem::Vector* x)
 {
     for (int i = 0; i < x->size(); i++)
@@ -73,10 +110,17 @@ void qcElasticSystem::FindNodes(const btDeformableBackwardEulerObjective& object
 {
     m_forces.clear();
     m_nodes.assign(size_t(objective.m_nodes.size()), nullptr);
-    for (const qcSceneSoftBody* soft : bodies)
-        for (int i = 0; i < soft->NodeCount(); i++)
-            if (soft->InverseMass(uint32_t(i)) > 0)
-                m_nodes[size_t(soft->body->m_nodes[i].index)] = &soft->body->m_nodes[i];
+    m_bodyOfNode.assign(m_nodes.size(), -1);
+    m_bodyInverses.assign(bodies.size(), Scaled(0));
+    for (size_t body = 0; body < bodies.size(); body++)
+        for (int i = 0; i < bodies[body]->NodeCount(); i++)
+        {
+            btSoftBody::Node& node = bodies[body]->body->m_nodes[i];
+            if (!(bodies[body]->InverseMass(uint32_t(i)) > 0))
+                continue;
+            m_nodes[size_t(node.index)] = &node;
+            m_bodyOfNode[size_t(node.index)] = int(body);
+        }
     for (int i = 0; i < objective.m_lf.size(); i++)
     {
         btDeformableLagrangianForce* force = objective.m_lf[i];
@@ -87,18 +131,45 @@ void qcElasticSystem::FindNodes(const btDeformableBackwardEulerObjective& object
     }
 }
 
+/// Finds m_inertia from the images of displacements of nodes of which no two are neighbours.
+void qcElasticSystem::FindInertia(const std::vector<qcSceneSoftBody*>& bodies)
+{
+    std::vector<qcObjectKey> keys;
+    for (const qcSceneSoftBody* soft : bodies)
+        keys.emplace_back(soft->body, soft->uniqueId);
+    const bool isKnown = m_inertia.size() == m_nodes.size() && keys == m_bodiesOfInertia &&
+                         m_forces == m_forcesOfInertia && m_timeStep == m_stepOfInertia;
+    if (isKnown && ++m_ageOfInertia < s_maxAge)
+        return;
+    m_bodiesOfInertia = keys;
+    m_forcesOfInertia = m_forces;
+    m_stepOfInertia = m_timeStep;
+    m_ageOfInertia = 0;
+    m_inertia.assign(m_nodes.size(), 0);
+    const std::vector<int> colours = ColourNodes(m_nodes.size(), bodies);
+    const int count = colours.empty() ? 0 : *std::max_element(colours.begin(), colours.end()) + 1;
+    for (int colour = 0; colour < count; colour++)
+        for (int axis = 0; axis < 3; axis++)
+        {
+            SetZero(&m_direction);
+            for (size_t i = 0; i < m_nodes.size(); i++)
+                if (m_nodes[i] != nullptr && colours[i] == colour)
+                    m_direction[int(i)][axis] = 1;
+            MultiplyNodes(m_direction, &m_image);
+            for (size_t i = 0; i < m_nodes.size(); i++)
+                if (m_nodes[i] != nullptr && colours[i] == colour)
+                    m_inertia[i] += std::max(m_image[int(i)][axis], 1 / m_nodes[i]->m_im) / 3;
+        }
+}
+
 void qcElasticSystem::SetStiffness()
 {
     for (qcElasticSpring& spring : *m_springs)
     {
         btScalar compliance = 0;
         for (int i = 0; i < spring.nodeCount; i++)
-            if (const btSoftBody::Node* node = m_nodes[size_t(spring.nodes[i])])
-            {
-                const btMatrix3x3& mass = node->m_effectiveMass;
-                const btScalar mean = (mass[0][0] + mass[1][1] + mass[2][2]) / 3;
-                compliance += spring.weights[i] * spring.weights[i] / mean;
-            }
+            if (m_nodes[size_t(spring.nodes[i])] != nullptr)
+                compliance += spring.weights[i] * spring.weights[i] / m_inertia[size_t(spring.nodes[i])];
         spring.stiffness = compliance > 0 ? s_stiffness / compliance : btScalar(0);
     }
 }
@@ -123,9 +194,9 @@ void qcElasticSystem::AddForce(const qcElasticSpring& spring, const btVector3& f
     (*to)[At(spring.rigid) + 1] -= spring.arm.cross(force);
 }
 
-/// What resists a displacement: masses, elasticity and damping as in btDeformableBackwardEulerObjective::multiply,
-/// springs.
-void qcElasticSystem::Multiply(const Vector& x, Vector* result) const
+/// What resists a displacement of the nodes: masses, elasticity and damping as in
+/// btDeformableBackwardEulerObjective::multiply.
+void qcElasticSystem::MultiplyNodes(const Vector& x, Vector* result) const
 {
     Vector& b = *result;
     for (size_t i = 0; i < m_nodes.size(); i++)
@@ -138,6 +209,13 @@ void qcElasticSystem::Multiply(const Vector& x, Vector* result) const
     for (size_t i = 0; i < m_nodes.size(); i++)
         if (m_nodes[i] == nullptr)
             b[int(i)].setZero();
+}
+
+/// Likewise of all bodies, springs included.
+void qcElasticSystem::Multiply(const Vector& x, Vector* result) const
+{
+    Vector& b = *result;
+    MultiplyNodes(x, result);
     for (int i = 0; i < int(m_rigids.size()); i++)
     {
         b[At(i)] = m_rigids[size_t(i)].mass * x[At(i)];
@@ -148,13 +226,19 @@ void qcElasticSystem::Multiply(const Vector& x, Vector* result) const
             AddForce(spring, ForceOf(spring, Relative(spring, x)), &b);
 }
 
-/// The inverses of the diagonal blocks, of three rows each.
+/// The inverses of the diagonal blocks, of three rows each, and of the blocks of the translations of soft bodies:
+/// elasticity does not resist these, so that single nodes are a poor guide to them.
 void qcElasticSystem::FindBlocks()
 {
     m_inverses.assign(size_t(m_x.size()), Scaled(0));
     for (size_t i = 0; i < m_nodes.size(); i++)
         if (m_nodes[i] != nullptr)
-            m_inverses[i] = m_nodes[i]->m_effectiveMass;
+            m_inverses[i] = Scaled(m_inertia[i]);
+    for (btMatrix3x3& block : m_bodyInverses)
+        block = Scaled(0);
+    for (size_t i = 0; i < m_nodes.size(); i++)
+        if (m_nodes[i] != nullptr)
+            m_bodyInverses[size_t(m_bodyOfNode[i])] += Scaled(1 / m_nodes[i]->m_im);
     for (int i = 0; i < int(m_rigids.size()); i++)
     {
         m_inverses[size_t(At(i))] = Scaled(m_rigids[size_t(i)].mass);
@@ -165,8 +249,20 @@ void qcElasticSystem::FindBlocks()
         if (!spring.isClosed)
             continue;
         const btMatrix3x3 stiffness = StiffnessOf(spring);
+        btScalar weights[2] = {0, 0};
+        int body[2] = {-1, -1};
         for (int i = 0; i < spring.nodeCount; i++)
+        {
+            const int side = spring.weights[i] < 0;
             m_inverses[size_t(spring.nodes[i])] += stiffness * (spring.weights[i] * spring.weights[i]);
+            if (m_nodes[size_t(spring.nodes[i])] == nullptr)
+                continue;
+            weights[side] += spring.weights[i];
+            body[side] = m_bodyOfNode[size_t(spring.nodes[i])];
+        }
+        for (int side = 0; side < 2; side++)
+            if (body[side] >= 0)
+                m_bodyInverses[size_t(body[side])] += stiffness * (weights[side] * weights[side]);
         if (spring.rigid < 0)
             continue;
         btMatrix3x3 cross;
@@ -176,12 +272,34 @@ void qcElasticSystem::FindBlocks()
     }
     for (size_t i = 0; i < m_inverses.size(); i++)
         m_inverses[i] = i < m_nodes.size() && m_nodes[i] == nullptr ? Scaled(0) : m_inverses[i].inverse();
+    for (btMatrix3x3& block : m_bodyInverses)
+        block = block.determinant() > 0 ? block.inverse() : Scaled(0);
 }
 
 void qcElasticSystem::Precondition(const Vector& r, Vector* result) const
 {
     for (int i = 0; i < r.size(); i++)
         (*result)[i] = m_inverses[size_t(i)] * r[i];
+    m_sums.assign(m_bodyInverses.size(), btVector3(0, 0, 0));
+    for (size_t i = 0; i < m_nodes.size(); i++)
+        if (m_nodes[i] != nullptr)
+            m_sums[size_t(m_bodyOfNode[i])] += r[int(i)];
+    for (size_t body = 0; body < m_sums.size(); body++)
+        m_sums[body] = m_bodyInverses[body] * m_sums[body];
+    for (size_t i = 0; i < m_nodes.size(); i++)
+        if (m_nodes[i] != nullptr)
+            (*result)[int(i)] += m_sums[size_t(m_bodyOfNode[i])];
+}
+
+/// The square of the forces of the springs, in the norm of the residual. It changes m_image.
+double qcElasticSystem::SquareOfForces()
+{
+    SetZero(&m_forcesOfSprings);
+    for (const qcElasticSpring& spring : *m_springs)
+        if (spring.isClosed)
+            AddForce(spring, ForceOf(spring, spring.missing - Relative(spring, m_x)), &m_forcesOfSprings);
+    Precondition(m_forcesOfSprings, &m_image);
+    return Dot(m_forcesOfSprings, m_image);
 }
 
 /// Solves for the springs that are closed, from m_x on.
@@ -201,13 +319,14 @@ void qcElasticSystem::SolveClosed()
     }
     for (int i = 0; i < m_x.size(); i++)
         m_residual[i] = m_right[i] - m_image[i];
-    Precondition(m_right, &m_preconditioned);
-    const double enough = double(s_tolerance) * double(s_tolerance) * Dot(m_right, m_preconditioned);
     Precondition(m_residual, &m_preconditioned);
     m_direction.copyFromArray(m_preconditioned);
     double square = Dot(m_residual, m_preconditioned);
-    for (int k = 0; k < s_maxIterations && square > enough; k++)
+    for (int k = 0; k < s_maxIterations && square > 0; k++)
     {
+        // What the springs push is the small rest of what they would push at first.
+        if (k % s_checkInterval == 0 && square < double(s_tolerance) * double(s_tolerance) * SquareOfForces())
+            return;
         Multiply(m_direction, &m_image);
         const double curvature = Dot(m_direction, m_image);
         // Not so for a body that is far from its shape at rest: what has been found is enough.
@@ -253,11 +372,12 @@ bool qcElasticSystem::Solve(const btDeformableBackwardEulerObjective& objective,
     m_timeStep = timeStep;
     m_springs = springs;
     FindNodes(objective, bodies);
-    SetStiffness();
     const int size = At(int(m_rigids.size()));
     const bool isGuess = m_x.size() == size;
-    for (Vector* vector : {&m_x, &m_right, &m_residual, &m_preconditioned, &m_direction, &m_image})
+    for (Vector* vector : {&m_x, &m_forcesOfSprings, &m_right, &m_residual, &m_preconditioned, &m_direction, &m_image})
         vector->resize(size, btVector3(0, 0, 0));
+    FindInertia(bodies);
+    SetStiffness();
     for (int i = 0; i < size; i++)
         if (!isGuess || (i < int(m_nodes.size()) && m_nodes[size_t(i)] == nullptr))
             m_x[i].setZero();

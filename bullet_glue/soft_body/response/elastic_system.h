@@ -5,6 +5,7 @@
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_ELASTIC_SYSTEM_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_ELASTIC_SYSTEM_H
 
+#include "common/object_key.h"
 #include "soft_body/scene/scene_soft_body.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
@@ -56,12 +57,15 @@ class qcElasticSystem
         return int(m_nodes.size()) + 2 * rigid;
     }
     void FindNodes(const btDeformableBackwardEulerObjective& objective, const std::vector<qcSceneSoftBody*>& bodies);
+    void FindInertia(const std::vector<qcSceneSoftBody*>& bodies);
+    void MultiplyNodes(const Vector& x, Vector* result) const;
     void SetStiffness();
     btVector3 Relative(const qcElasticSpring& spring, const Vector& x) const;
     void AddForce(const qcElasticSpring& spring, const btVector3& force, Vector* to) const;
     void Multiply(const Vector& x, Vector* result) const;
     void FindBlocks();
     void Precondition(const Vector& r, Vector* result) const;
+    double SquareOfForces();
     void SolveClosed();
     bool UpdateSprings();
 
@@ -69,10 +73,20 @@ class qcElasticSystem
     std::vector<qcElasticSpring>* m_springs = nullptr;
     std::vector<btDeformableLagrangianForce*> m_forces;
     std::vector<btSoftBody::Node*> m_nodes; ///< by index; null: it doesn't move
+    std::vector<int> m_bodyOfNode;          ///< by index
     std::vector<Rigid> m_rigids;
-    std::vector<btMatrix3x3> m_inverses; ///< of the diagonal blocks
-    Vector m_x;                          ///< by node its displacement, by rigid body translation and rotation
-    Vector m_right, m_residual, m_preconditioned, m_direction, m_image;
+    /// What resists the displacement of each node alone, its mass included: a third of the trace of its diagonal block,
+    /// which rotations don't change. It is found for these bodies and forces, and again after a while.
+    std::vector<btScalar> m_inertia;
+    std::vector<qcObjectKey> m_bodiesOfInertia;
+    std::vector<btDeformableLagrangianForce*> m_forcesOfInertia;
+    btScalar m_stepOfInertia = 0;
+    int m_ageOfInertia = 0;
+    std::vector<btMatrix3x3> m_inverses;     ///< of the diagonal blocks
+    std::vector<btMatrix3x3> m_bodyInverses; ///< by soft body, of what resists its translation
+    mutable std::vector<btVector3> m_sums;   ///< scratch of Precondition, by soft body
+    Vector m_x;                              ///< by node its displacement, by rigid body translation and rotation
+    Vector m_forcesOfSprings, m_right, m_residual, m_preconditioned, m_direction, m_image;
 };
 
 #endif

@@ -40,12 +40,13 @@ struct LoadWorld : qcDeformableTestWorld<qcDeformableWorld>
     btBoxShape floorShape{btVector3(5, 1, 5)}, boxShape{btVector3(btScalar(0.4), btScalar(0.2), btScalar(0.4))};
     btRigidBody floor{0, nullptr, &floorShape};
     btDeformableGravityForce gravity;
+    bool isImplicit;
     btScalar step; ///< Bullet's explicit solver is not stable in longer ones
     std::vector<std::unique_ptr<btDeformableLinearElasticityForce>> forces;
     std::vector<std::unique_ptr<btRigidBody>> boxes;
 
     explicit LoadWorld(const btVector3& g, bool implicit = true)
-        : gravity(g), step(btScalar(implicit ? 1.0 / 120 : 1.0 / 240))
+        : gravity(g), isImplicit(implicit), step(btScalar(implicit ? 1.0 / 120 : 1.0 / 240))
     {
         world->setGravity(g);
         world->getWorldInfo().m_gravity = g;
@@ -81,7 +82,8 @@ struct LoadWorld : qcDeformableTestWorld<qcDeformableWorld>
         world->addSoftBody(cube);
         forces.emplace_back(new btDeformableLinearElasticityForce(100, 100, btScalar(0.01)));
         forces.back()->setPoissonRatio(btScalar(0.3));
-        forces.back()->setYoungsModulus(3000);
+        // Bullet's explicit solver is not stable with stiffer ones.
+        forces.back()->setYoungsModulus(isImplicit ? 10000 : 3000);
         forces.back()->setDamping(0, btScalar(0.01));
         world->addForce(cube, &gravity);
         world->addForce(cube, forces.back().get());
@@ -132,15 +134,15 @@ double SmallestVolume(const btSoftBody* body)
 START_TEST(a_cube_carries_many_times_its_mass)
 {
     for (bool implicit : {true, false})
-        for (btScalar times : {btScalar(1), btScalar(10), btScalar(40)})
+        for (btScalar times : {btScalar(1), btScalar(10), btScalar(implicit ? 40 : 15)})
         {
             LoadWorld world(btVector3(0, -10, 0), implicit);
             btSoftBody* cube = world.AddCube(btScalar(0.02), s_cubeMass);
             btRigidBody* box = world.AddBox(btScalar(1.25), times * s_cubeMass);
             world.Step(240);
             ck_assert_double_gt(SmallestVolume(cube), 0.7);
-            // By load, Young's modulus and area the cube is 7 % lower under 40 times its mass.
-            ck_assert_double_gt(double(box->getWorldTransform().getOrigin().y()), 1.15);
+            // By load, Young's modulus and area the cube is some 3 % lower under the heaviest.
+            ck_assert_double_gt(double(box->getWorldTransform().getOrigin().y()), 1.18);
             ck_assert_double_lt(double(box->getWorldTransform().getOrigin().y()), 1.25);
             ck_assert_double_lt(double(qcSpeedOf(cube)), times > 20 ? 0.3 : 0.1);
             ck_assert_double_lt(double(box->getLinearVelocity().length()), times > 20 ? 0.3 : 0.1);
