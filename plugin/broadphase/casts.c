@@ -18,17 +18,6 @@ typedef struct Cast
     qcFloatCast floats; ///< the same, for the boxes of the forest
 } Cast;
 
-/// The lower of two numbers, or NaN if one of them is: then no comparison rejects a box.
-static double LowerOrNan(double a, double b)
-{
-    return a < b ? a : b <= a ? b : NAN;
-}
-
-static double UpperOrNan(double a, double b)
-{
-    return a > b ? a : b >= a ? b : NAN;
-}
-
 /// A float that is at most the number; NaN is unbounded. Faster than the largest such float.
 static float FloatBelow(double number)
 {
@@ -63,10 +52,13 @@ __attribute__((noinline)) static void PrepareCast(const double from[3], const do
         cast->from[k] = from[k];
         cast->castLower[k] = castLower[k];
         cast->castUpper[k] = castUpper[k];
-        cast->pathLower[k] = LowerOrNan(from[k], to[k]) + castLower[k];
-        cast->pathUpper[k] = UpperOrNan(from[k], to[k]) + castUpper[k];
+        // NaN in both bounds of the path and no slab: then no comparison rejects a box.
+        bool unbounded = isnan(from[k]) || isnan(to[k]) || isnan(castLower[k]) || isnan(castUpper[k]);
+        cast->pathLower[k] = unbounded ? NAN : qcLower(from[k], to[k]) + castLower[k];
+        cast->pathUpper[k] = unbounded ? NAN : qcUpper(from[k], to[k]) + castUpper[k];
         double direction = to[k] - from[k], length = fabs(direction);
-        cast->inverse[k] = length >= DBL_MIN && length <= 0x1p1021 ? 1.0 / direction : 0.0;
+        bool isSlab = !unbounded && length >= DBL_MIN && length <= 0x1p1021;
+        cast->inverse[k] = isSlab ? 1.0 / direction : 0.0;
         cast->magnitude[k] = fabs(from[k]) + qcUpper(fabs(castLower[k]), fabs(castUpper[k]));
         PrepareFloats(cast, k);
     }

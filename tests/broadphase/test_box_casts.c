@@ -269,6 +269,33 @@ START_TEST(infinite_boxes_and_paths_are_hit)
 }
 END_TEST
 
+START_TEST(a_coordinate_that_is_nan_makes_its_axis_unbounded)
+{
+    // One box in the list, then many in a tree.
+    for (int count = 1; count <= 1000; count += 999)
+    {
+        qcModel* model = qcModel_Make();
+        // Above and below all paths in y.
+        for (int i = 0; i < count; i++)
+            qcModel_Add(model, (double[3]){2, i % 2 ? -6 : 15, 0}, (double[3]){3, i % 2 ? -5 : 16, 1});
+        if (count > 1)
+            qcModel_CheckMovedPairs(model);
+        for (unsigned nans = 0; nans < 16; nans++)
+            for (int moving = 0; moving <= 1; moving++)
+            {
+                Path path = {{0, moving ? -1 : 10, 0.5}, {10, moving ? 11 : 10, 0.5}, {0, 0, 0}, {0, 0, 0}};
+                double* coordinates[4] = {&path.from[1], &path.to[1], &path.castLower[1], &path.castUpper[1]};
+                for (int i = 0; i < 4; i++)
+                    if ((nans >> i & 1) != 0)
+                        *coordinates[i] = NAN;
+                ck_assert_msg(CountVisits(model, &path, NULL) == (nans != 0 ? (uint32_t)count : 0),
+                              "%d boxes, NaN in %x, %d", count, nans, moving);
+            }
+        qcModel_Free(model);
+    }
+}
+END_TEST
+
 START_TEST(a_fraction_given_beforehand_ends_the_path)
 {
     qcModel* model = qcModel_Make();
@@ -285,4 +312,5 @@ END_TEST
 
 QC_RUN_TESTS("box casts", each_box_hit_is_visited_also_at_faces_edges_and_corners,
              each_box_hit_is_visited_in_general_position, near_boxes_come_first_so_that_a_shortened_path_visits_few,
-             infinite_boxes_and_paths_are_hit, a_fraction_given_beforehand_ends_the_path)
+             infinite_boxes_and_paths_are_hit, a_coordinate_that_is_nan_makes_its_axis_unbounded,
+             a_fraction_given_beforehand_ends_the_path)
