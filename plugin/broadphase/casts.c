@@ -18,14 +18,19 @@ typedef struct Cast
     qcFloatCast floats; ///< the same, for the boxes of the forest
 } Cast;
 
-/// A float that is at most the number; NaN is unbounded. Faster than the largest such float.
+/// A float that is at most the number; NaN is unbounded. Faster than the largest such float. A number above all floats
+/// becomes infinite, as does the upper bound of every box that reaches it.
 static float FloatBelow(double number)
 {
+    if (number == INFINITY)
+        return INFINITY;
     return isnan(number) ? -INFINITY : (float)(number - 0x1p-22 * fabs(number) - (double)FLT_MIN);
 }
 
 static float FloatAbove(double number)
 {
+    if (number == -INFINITY)
+        return -INFINITY;
     return isnan(number) ? INFINITY : (float)(number + 0x1p-22 * fabs(number) + (double)FLT_MIN);
 }
 

@@ -269,6 +269,35 @@ START_TEST(infinite_boxes_and_paths_are_hit)
 }
 END_TEST
 
+START_TEST(paths_at_infinity_hit_the_boxes_that_reach_it)
+{
+    static const Path paths[] = {
+        {{0, INFINITY, 0}, {1, INFINITY, 0}, {0, 0, 0}, {0, 0, 0}},
+        {{0, INFINITY, 0}, {1, INFINITY, 0}, {-1, -1, -1}, {1, 1, 1}},
+        {{0, INFINITY, 0}, {0, INFINITY, 0}, {0, 0, 0}, {0, 0, 0}},
+        {{INFINITY, INFINITY, INFINITY}, {INFINITY, INFINITY, INFINITY}, {0, 0, 0}, {0, 0, 0}},
+    };
+    // One box in the list, then many in a tree.
+    for (int count = 1; count <= 1000; count += 999)
+        for (size_t i = 0; i < sizeof paths / sizeof *paths; i++)
+            for (int sign = -1; sign <= 1; sign += 2)
+            {
+                const double all[2][3] = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
+                qcModel* model = qcModel_Make();
+                qcModel_Add(model, all[0], all[1]);
+                for (int j = 1; j < count; j++)
+                    qcModel_Add(model, (double[3]){j, 0, 0}, (double[3]){j + 0.5, 1, 1});
+                if (count > 1)
+                    qcModel_CheckMovedPairs(model);
+                Path path = paths[i];
+                Scale(path.from, sign);
+                Scale(path.to, sign);
+                ck_assert_msg(CountVisits(model, &path, NULL) == 1, "%d boxes, path %zu, sign %d", count, i, sign);
+                qcModel_Free(model);
+            }
+}
+END_TEST
+
 START_TEST(a_coordinate_that_is_nan_makes_its_axis_unbounded)
 {
     // One box in the list, then many in a tree.
@@ -312,5 +341,5 @@ END_TEST
 
 QC_RUN_TESTS("box casts", each_box_hit_is_visited_also_at_faces_edges_and_corners,
              each_box_hit_is_visited_in_general_position, near_boxes_come_first_so_that_a_shortened_path_visits_few,
-             infinite_boxes_and_paths_are_hit, a_coordinate_that_is_nan_makes_its_axis_unbounded,
-             a_fraction_given_beforehand_ends_the_path)
+             infinite_boxes_and_paths_are_hit, paths_at_infinity_hit_the_boxes_that_reach_it,
+             a_coordinate_that_is_nan_makes_its_axis_unbounded, a_fraction_given_beforehand_ends_the_path)
