@@ -22,7 +22,7 @@ qcBoxQuery qcBoxQuery_Make(const qcBoxes* set, const double lower[3], const doub
         query.bounds.lower[k] = isnan(lower[k]) ? -INFINITY : lower[k];
         query.bounds.upper[k] = isnan(upper[k]) ? INFINITY : upper[k];
     }
-    query.exact = qcFloatBox_Enclose(&query.box, query.bounds.lower, query.bounds.upper);
+    query.exact = qcBoxOrigin_Enclose(&set->origin, &query.box, query.bounds.lower, query.bounds.upper);
     return query;
 }
 

@@ -9,7 +9,7 @@ typedef struct qcBoxQuery
 {
     const qcBoxes* set;
     qcBounds bounds;
-    qcFloatBox box; ///< the smallest box of floats that contains `bounds`
+    qcFloatBox box; ///< a box of floats that contains `bounds` minus the origin
     bool exact;     ///< the floats equal the bounds
     bool fat;       ///< find boxes whose AABB in the forest overlaps `box`; otherwise boxes that overlap `bounds`
     qcBoxFunction* function; ///< called for each box found; returns false to stop

@@ -91,5 +91,5 @@ void qcBoxes_CommitStationaryPairs(qcBoxes* set, uint32_t id)
     Commit commit = {.set = set, .id = id};
     qcBoxQuery query = qcBoxQuery_MakeFor(set, id, AddStationaryEdge, &commit);
     if (!set->historyLost)
-        qcBoxQuery_Run(&query, qc_staticBoxes);
+        qcBoxQuery_Run(&query, set->originMoved ? qc_dynamicBoxes | qc_staticBoxes : qc_staticBoxes);
 }

@@ -5,6 +5,7 @@
 #include "quickcullide/boxes.h"
 
 #include "base/memory.h"
+#include "broadphase/box_origin.h"
 #include "broadphase/bvh_forest.h"
 #include "broadphase/overlap_graph.h"
 
@@ -20,11 +21,6 @@ static inline double qcUpper(double a, double b)
     return a > b ? a : b;
 }
 
-typedef struct qcBounds
-{
-    double lower[3], upper[3];
-} qcBounds;
-
 /// State of a box in the BVH forest.
 typedef enum qcBoxState
 {
@@ -36,13 +32,13 @@ typedef enum qcBoxState
 /// The data read for each tested pair: half a cache line.
 typedef struct qcBox
 {
-    float lower[3];      ///< with `upper`: the smallest box of floats that contains the box
+    float lower[3];      ///< with `upper`: a box of floats that contains the box minus the origin
     uint32_t movedIndex; ///< index in the list of moved boxes, or QC_NOT_MOVED
     float upper[3];
     bool alive;      ///< false: the id is free
     uint8_t state;   ///< qcBoxState
     bool stationary; ///< not moved since it was added; the forest holds the box itself, not an enlarged one
-    bool exact;      ///< the floats equal the box; otherwise see qcBoxes.bounds
+    bool exact;      ///< the floats equal the box, and there is no origin; otherwise see qcBoxes.bounds
 } qcBox;
 
 /// A box that was added or moved since the last search for pairs.
@@ -75,6 +71,9 @@ struct qcBoxes
     uint32_t insertedCount; ///< boxes that are not qc_boxInTree
     uint32_t staleCount;    ///< boxes that are qc_boxPairsStale
     bool historyLost;       ///< a search failed: the overlaps of the last search are unknown
+    qcBoxOrigin origin;     ///< of the floats of all boxes
+    uint32_t coarseCount;   ///< coarse boxes that were inserted into the forest since the origin was last chosen
+    bool originMoved;       ///< since the last search: all boxes are dynamic
 };
 
 static inline bool qcBounds_Overlap(const qcBounds* a, const qcBounds* b)

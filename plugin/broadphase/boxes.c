@@ -94,7 +94,7 @@ static double LongestEdge(const qcBounds* bounds)
 }
 
 /// Whether the fat AABB contains the box, given as floats, and is not much larger. A box lies in a box of floats if and
-/// only if its smallest enclosing box of floats does.
+/// only if its smallest enclosing box of floats does; with an origin it may lie in one that its floats exceed.
 static bool Fits(const qcFloatBox* fat, const qcFloatBox* box)
 {
     bool fits = true;
@@ -112,7 +112,7 @@ static bool Fits(const qcFloatBox* fat, const qcFloatBox* box)
 
 /// Enlarges a box: on all sides by a margin for jitter, and where a side moves outwards by `steps` steps as long as the
 /// last one.
-static qcFloatBox Fatten(const qcBounds* previous, const qcBounds* bounds, double steps)
+static qcFloatBox Fatten(const qcBoxOrigin* origin, const qcBounds* previous, const qcBounds* bounds, double steps)
 {
     qcBounds fat;
     double longest = LongestEdge(bounds);
@@ -129,7 +129,7 @@ static qcFloatBox Fatten(const qcBounds* previous, const qcBounds* bounds, doubl
         fat.upper[k] = qcUpper(upper, upper + qcUpper(up, 0.0) + margin);
     }
     qcFloatBox box;
-    (void)qcFloatBox_Enclose(&box, fat.lower, fat.upper);
+    (void)qcBoxOrigin_Enclose(origin, &box, fat.lower, fat.upper);
     return box;
 }
 
@@ -187,6 +187,9 @@ void qcBoxes_Clear(qcBoxes* boxes)
     boxes->insertedCount = 0;
     boxes->staleCount = 0;
     boxes->historyLost = false;
+    boxes->origin = (qcBoxOrigin){.isSet = false};
+    boxes->coarseCount = 0;
+    boxes->originMoved = false;
 }
 
 /// Reserves room for one more box in every list, so that only adding a box can run out of memory.
@@ -209,16 +212,16 @@ static qcStatus ReserveOneMore(qcBoxes* set)
 typedef struct Extent
 {
     const double *lower, *upper;
-    qcFloatBox floats; ///< the smallest box of floats that contains the bounds
+    qcFloatBox floats; ///< contains the bounds minus the origin
     bool exact;        ///< the floats equal the bounds
 } Extent;
 
-static inline Extent MakeExtent(const double lower[3], const double upper[3])
+static inline Extent MakeExtent(const qcBoxes* set, const double lower[3], const double upper[3])
 {
     Extent extent;
     extent.lower = lower;
     extent.upper = upper;
-    extent.exact = qcFloatBox_Enclose(&extent.floats, lower, upper);
+    extent.exact = qcBoxOrigin_Enclose(&set->origin, &extent.floats, lower, upper);
     return extent;
 }
 
@@ -240,15 +243,86 @@ static inline qcBounds MakeBounds(const Extent* extent)
     return (qcBounds){{l[0], l[1], l[2]}, {u[0], u[1], u[2]}};
 }
 
-static void StoreExtent(qcBoxes* set, uint32_t id, const Extent* extent)
+static inline void SetFloats(qcBox* box, const Extent* extent)
 {
-    qcBox* box = qcBoxes_Box(set, id);
     memcpy(box->lower, extent->floats.lower, sizeof box->lower);
     memcpy(box->upper, extent->floats.upper, sizeof box->upper);
     box->exact = extent->exact;
+}
+
+static void StoreExtent(qcBoxes* set, uint32_t id, const Extent* extent)
+{
+    SetFloats(qcBoxes_Box(set, id), extent);
     if (!extent->exact)
         QC_AT(qcBounds, set->bounds, id) = MakeBounds(extent);
 }
+
+//  ---- the origin ------------------------------------------------------------------------------------
+
+/// Makes the floats of a box anew from its bounds, and inserts it anew.
+static void RenewBox(qcBoxes* set, uint32_t id)
+{
+    qcBox* box = qcBoxes_Box(set, id);
+    qcBounds bounds = QC_AT(qcBounds, set->bounds, id);
+    Extent extent = MakeExtent(set, bounds.lower, bounds.upper);
+    StoreExtent(set, id, &extent);
+    qcFloatBox fat = box->stationary ? extent.floats : Fatten(&set->origin, &bounds, &bounds, 0.0);
+    qcForest_Insert(&set->forest, id, &fat, box->stationary && box->exact);
+    box->state = qc_boxPairsStale;
+}
+
+/// Moves the origin. Edges of the graph stay, as marks of the last search; all boxes become stale.
+static void SetOrigin(qcBoxes* set, const qcBoxOrigin* origin)
+{
+    // Bounds are read from exact floats while these are relative to zero.
+    for (size_t id = 0; id < set->boxes.count; id++)
+        QC_AT(qcBounds, set->bounds, id) = qcBoxes_Bounds(set, (uint32_t)id);
+    set->origin = *origin;
+    for (size_t i = 0; i < set->movedBoxes.count; i++)
+    {
+        qcMovedBox* moved = &QC_AT(qcMovedBox, set->movedBoxes, i);
+        if (moved->added)
+            continue;
+        if (moved->box.exact)
+            moved->bounds = qcBox_Bounds(&moved->box);
+        Extent extent = MakeExtent(set, moved->bounds.lower, moved->bounds.upper);
+        SetFloats(&moved->box, &extent);
+    }
+    for (size_t id = 0; id < set->boxes.count; id++)
+        if (qcBoxes_Box(set, (uint32_t)id)->alive)
+            RenewBox(set, (uint32_t)id);
+    set->insertedCount = set->staleCount = qcBoxes_GetCount(set);
+    set->originMoved = true;
+}
+
+__attribute__((cold, noinline)) static void ChooseOrigin(qcBoxes* set)
+{
+    qcBounds sample[qc_originSample];
+    uint32_t count = 0;
+    for (size_t i = 0; i < qc_originSample; i++)
+    {
+        uint32_t id = (uint32_t)(i * set->boxes.count / qc_originSample);
+        if (qcBoxes_Box(set, id)->alive)
+            sample[count++] = qcBoxes_Bounds(set, id);
+    }
+    qcBoxOrigin origin = set->origin;
+    if (qcBoxOrigin_Choose(&origin, sample, count))
+        SetOrigin(set, &origin);
+    set->coarseCount = 0;
+}
+
+/// Counts a box that was inserted into the forest if it is coarse. Chooses an origin after as many as half of the
+/// boxes: inserting all boxes anew is then O(1) insertions for each.
+static inline void CountCoarse(qcBoxes* set, const Extent* extent)
+{
+    if (extent->exact || !qcFloatBox_IsCoarse(&extent->floats, extent->lower, extent->upper))
+        return;
+    // Few boxes are found fast anywhere.
+    if (++set->coarseCount >= qc_originSample && set->coarseCount >= qcBoxes_GetCount(set) / 2)
+        ChooseOrigin(set);
+}
+
+//  ---- boxes -----------------------------------------------------------------------------------------
 
 __attribute__((noinline)) static qcStatus Add(qcBoxes* boxes, const double lower[3], const double upper[3],
                                               void* userData, uint32_t* id)
@@ -258,7 +332,7 @@ __attribute__((noinline)) static qcStatus Add(qcBoxes* boxes, const double lower
     QC_TRY(CheckBounds("qcBoxes_Add", lower, upper));
     QC_TRY(ReserveOneMore(boxes));
     *id = boxes->freeIds.count != 0 ? PopFreeId(boxes) : (uint32_t)boxes->boxes.count++;
-    Extent extent = MakeExtent(lower, upper);
+    Extent extent = MakeExtent(boxes, lower, upper);
     *qcBoxes_Box(boxes, *id) =
         (qcBox){.movedIndex = QC_NOT_MOVED, .alive = true, .state = qc_boxPairsStale, .stationary = true};
     boxes->insertedCount++;
@@ -268,6 +342,7 @@ __attribute__((noinline)) static qcStatus Add(qcBoxes* boxes, const double lower
     QC_AT(void*, boxes->userData, *id) = userData;
     // Not enlarged: most boxes never move.
     qcForest_Insert(&boxes->forest, *id, &extent.floats, extent.exact);
+    CountCoarse(boxes, &extent);
     return qc_statusOk;
 }
 
@@ -311,23 +386,26 @@ __attribute__((noinline)) static qcStatus Move(qcBoxes* boxes, uint32_t id, cons
     if (box == NULL)
         return qcFail(qc_statusBadInput, "qcBoxes_Move: there is no box %u", id);
     QC_TRY(CheckBounds("qcBoxes_Move", lower, upper));
-    Extent extent = MakeExtent(lower, upper);
+    Extent extent = MakeExtent(boxes, lower, upper);
     if (IsSame(boxes, id, &extent))
         return qc_statusOk;
     MarkMoved(boxes, id, false);
     bool wasStationary = box->stationary;
     if (wasStationary)
         EndStationary(boxes, id);
-    if (wasStationary || !Fits(&QC_AT(qcFloatBox, boxes->forest.boxes, id), &extent.floats))
+    bool insert = wasStationary || !Fits(&QC_AT(qcFloatBox, boxes->forest.boxes, id), &extent.floats);
+    if (insert)
     {
         qcBounds previous = qcBoxes_Bounds(boxes, id), bounds = MakeBounds(&extent);
-        qcFloatBox fat = Fatten(&previous, &bounds, StepsAhead(id));
+        qcFloatBox fat = Fatten(&boxes->origin, &previous, &bounds, StepsAhead(id));
         qcForest_Insert(&boxes->forest, id, &fat, false);
         boxes->insertedCount += box->state == qc_boxInTree;
         boxes->staleCount += box->state != qc_boxPairsStale;
         box->state = qc_boxPairsStale;
     }
     StoreExtent(boxes, id, &extent);
+    if (insert)
+        CountCoarse(boxes, &extent);
     return qc_statusOk;
 }
 

@@ -18,37 +18,40 @@ typedef struct Cast
     qcFloatCast floats; ///< the same, for the boxes of the forest
 } Cast;
 
-/// A float that is at most the number; NaN is unbounded. Faster than the largest such float. A number above all floats
-/// becomes infinite, as does the upper bound of every box that reaches it.
-static float FloatBelow(double number)
+/// A float that is at most the number minus the origin; NaN is unbounded. Faster than the largest such float. A number
+/// above all floats becomes infinite, as does the upper bound of every box that reaches it.
+static float FloatBelow(double number, double origin)
 {
-    if (number == INFINITY)
+    double at = number - origin;
+    if (at == INFINITY)
         return INFINITY;
-    return isnan(number) ? -INFINITY : (float)(number - 0x1p-22 * fabs(number) - (double)FLT_MIN);
+    return isnan(at) ? -INFINITY : (float)(at - 0x1p-22 * fabs(at) - 0x1p-51 * fabs(origin) - (double)FLT_MIN);
 }
 
-static float FloatAbove(double number)
+static float FloatAbove(double number, double origin)
 {
-    if (number == -INFINITY)
+    double at = number - origin;
+    if (at == -INFINITY)
         return -INFINITY;
-    return isnan(number) ? INFINITY : (float)(number + 0x1p-22 * fabs(number) + (double)FLT_MIN);
+    return isnan(at) ? INFINITY : (float)(at + 0x1p-22 * fabs(at) + 0x1p-51 * fabs(origin) + (double)FLT_MIN);
 }
 
-static void PrepareFloats(Cast* cast, int k)
+static void PrepareFloats(Cast* cast, double origin, int k)
 {
     qcFloatCast* floats = &cast->floats;
-    floats->path.lower[k] = FloatBelow(cast->pathLower[k]);
-    floats->path.upper[k] = FloatAbove(cast->pathUpper[k]);
-    floats->lowerOffset[k] = FloatAbove(cast->from[k] + cast->castUpper[k]);
-    floats->upperOffset[k] = FloatBelow(cast->from[k] + cast->castLower[k]);
+    floats->path.lower[k] = FloatBelow(cast->pathLower[k], origin);
+    floats->path.upper[k] = FloatAbove(cast->pathUpper[k], origin);
+    floats->lowerOffset[k] = FloatAbove(cast->from[k] + cast->castUpper[k], origin);
+    floats->upperOffset[k] = FloatBelow(cast->from[k] + cast->castLower[k], origin);
     double inverse = fabs(cast->inverse[k]);
     bool isSlab = inverse >= (double)FLT_MIN && inverse <= (double)FLT_MAX && isfinite(floats->lowerOffset[k]) &&
                   isfinite(floats->upperOffset[k]);
     floats->inverse[k] = isSlab ? (float)cast->inverse[k] : 0.0f;
 }
 
-__attribute__((noinline)) static void PrepareCast(const double from[3], const double to[3], const double castLower[3],
-                                                  const double castUpper[3], const double* fraction, Cast* cast)
+__attribute__((noinline)) static void PrepareCast(const qcBoxes* boxes, const double from[3], const double to[3],
+                                                  const double castLower[3], const double castUpper[3],
+                                                  const double* fraction, Cast* cast)
 {
     static const double wholePath = 1.0;
     cast->fraction = fraction != NULL ? fraction : &wholePath;
@@ -65,7 +68,7 @@ __attribute__((noinline)) static void PrepareCast(const double from[3], const do
         bool isSlab = !unbounded && length >= DBL_MIN && length <= 0x1p1021;
         cast->inverse[k] = isSlab ? 1.0 / direction : 0.0;
         cast->magnitude[k] = fabs(from[k]) + qcUpper(fabs(castLower[k]), fabs(castUpper[k]));
-        PrepareFloats(cast, k);
+        PrepareFloats(cast, boxes->origin.at[k], k);
     }
 }
 
@@ -218,7 +221,7 @@ void qcBoxes_CastBox(const qcBoxes* boxes, const double from[3], const double to
         return;
     qcHostFunction host = {function, context, qcFloatMode_Begin()};
     Cast cast;
-    PrepareCast(from, to, castLower, castUpper, fraction, &cast);
+    PrepareCast(boxes, from, to, castLower, castUpper, fraction, &cast);
     CastBox(boxes, &cast, &host);
     qcFloatMode_End(host.mode);
 }

@@ -51,9 +51,9 @@ static qcStatus AddOverlap(qcBoxes* set, Report report, uint32_t a, uint32_t b)
     const qcBox *x = qcBoxes_Box(set, a), *y = qcBoxes_Box(set, b);
     if (!x->stationary || !y->stationary)
         return qcOverlapGraph_AddEdge(&set->overlaps, a, b, false);
-    // No edge: pairs of stationary boxes cost nothing once they are reported. Unless the history is lost, one of the
-    // two boxes is new.
-    bool reported = report == CHANGED || (x->movedIndex & y->movedIndex) != QC_NOT_MOVED;
+    // No edge: pairs of stationary boxes cost nothing once they are reported. Unless the history is lost or the origin
+    // moved, one of the two boxes is new.
+    bool reported = (report == CHANGED && set->historyLost) || (x->movedIndex & y->movedIndex) != QC_NOT_MOVED;
     return reported && qcBoxes_Overlap(set, a, b) ? PushPair(&set->began, a, b) : qc_statusOk;
 }
 
@@ -198,10 +198,12 @@ static qcStatus FindDynamicOverlaps(qcBoxes* set, Report report)
         room += set->forest.trees[qcForest_NextTree(&trees)].laneCount / qc_lanes + 1;
     QC_TRY(qcArray_Reserve(&set->hits, room, sizeof(qcOctetHit), "overlaps of boxes"));
     QC_TRY(ReservePairs(&set->began, qc_pairsOfNewBox * (size_t)set->staleCount));
+    // With an origin no box is tight.
+    const bool tightHits = report == CHANGED && !set->originMoved;
     for (uint32_t octet = 0; octet < tree->laneCount / qc_lanes; octet++)
     {
         FindOctetOverlaps(set, dynamic, octet, &ranges);
-        if (report == CHANGED)
+        if (tightHits)
             QC_TRY(ReportTightHits(set, tree, octet, &ranges));
         for (uint64_t rows = LanesWithHits(set, &ranges), row = 0; rows != 0; rows >>= qc_lanes, row++)
             if ((rows & 0xff) != 0)
@@ -335,7 +337,7 @@ static qcStatus SortPairs(qcBoxes* set, qcArray* keys)
 /// Ends the interval in which boxes moved.
 static void Settle(qcBoxes* set)
 {
-    const bool all = MovedMany(set);
+    const bool all = MovedMany(set) || set->originMoved;
     for (size_t i = 0; i < (all ? set->boxes.count : set->movedBoxes.count); i++)
     {
         qcBox* box = qcBoxes_Box(set, all ? (uint32_t)i : QC_AT(qcMovedBox, set->movedBoxes, i).id);
@@ -345,6 +347,7 @@ static void Settle(qcBoxes* set)
     set->movedBoxes.count = 0;
     set->insertedCount = 0;
     set->staleCount = 0;
+    set->originMoved = false;
 }
 
 __attribute__((noinline)) static qcStatus SearchInMode(qcBoxes* set, Report report)

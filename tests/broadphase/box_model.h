@@ -175,7 +175,9 @@ static inline void qcModel_CheckLane(const qcModel* model, const qcOctet* octet,
     for (int k = 0; k < 3; k++)
     {
         CHECK_QUICKLY(octet->lower[k][lane] == fat->lower[k] && octet->upper[k][lane] == fat->upper[k]);
-        CHECK_QUICKLY((double)fat->lower[k] <= box->lower[k] && (double)fat->upper[k] >= box->upper[k]);
+        double origin = model->set->origin.at[k];
+        CHECK_QUICKLY((double)fat->lower[k] <= box->lower[k] - origin);
+        CHECK_QUICKLY((double)fat->upper[k] >= box->upper[k] - origin);
     }
 }
 

@@ -166,6 +166,10 @@ START_TEST(each_box_hit_is_visited_also_at_faces_edges_and_corners)
             CastThroughGrid(seed, 1.0 / 3.0, 1000.0, swept);
             CastThroughGrid(seed, 1e-160, 0.0, swept);
             CastThroughGrid(seed, 0x1p-1074, 0.0, swept);
+            // So far from zero that floats are relative to an origin.
+            CastThroughGrid(seed, 1.0, 1e9, swept);
+            CastThroughGrid(seed, 1.0 / 3.0, -3e14, swept);
+            CastThroughGrid(seed, 1e-30, 1e12, swept);
             // The ends of the range of floats.
             CastThroughGrid(seed, 3e-38, 0.0, swept);
             CastThroughGrid(seed, 1e-38, 1e-30, swept);

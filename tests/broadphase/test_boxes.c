@@ -88,6 +88,8 @@ typedef struct World
     bool infinite;   ///< some boxes are infinite, or as large as Bullet's planes
     double restless; ///< fraction of the boxes that move in a step
     bool changes;    ///< search for changed pairs; otherwise for pairs of moved boxes
+    double far;      ///< nearly all boxes jump to this distance from zero and back, several times
+    double offset;   ///< where new boxes are now
 } World;
 
 static void RandomBox(qcRandom* random, const World* world, double lower[3], double upper[3])
@@ -104,6 +106,8 @@ static void RandomBox(qcRandom* random, const World* world, double lower[3], dou
             lower[k] = qcRandom_Uniform(random, 0.0, world->room);
             upper[k] = lower[k] + qcRandom_Uniform(random, 0.0, 2.0);
         }
+        lower[k] += k != 1 ? world->offset : -world->offset;
+        upper[k] += k != 1 ? world->offset : -world->offset;
         if (!world->infinite)
             continue;
         uint32_t dice = qcRandom_Below(random, 60);
@@ -149,14 +153,33 @@ static void StepOne(qcModel* model, qcRandom* random, const World* world, uint32
     qcModel_Move(model, id, lower, upper);
 }
 
-static void RunWorld(const World* world)
+/// Moves nearly all boxes to another distance from zero.
+static void Jump(qcModel* model, qcRandom* random, World* world)
+{
+    world->offset = world->offset == 0.0 ? world->far : 0.0;
+    for (uint32_t id = 0; id < model->ends; id++)
+    {
+        double lower[3], upper[3];
+        RandomBox(random, world, lower, upper);
+        if (model->boxes[id].alive && qcRandom_Below(random, 10) != 0)
+            qcModel_Move(model, id, lower, upper);
+        if (world->changes && qcRandom_Below(random, 20) == 0)
+            CheckBegun(model, qcRandom_Below(random, model->ends));
+    }
+}
+
+static void RunWorld(World* world)
 {
     qcRandom random = {world->seed};
     qcModel* model = qcModel_Make();
     double lower[3], upper[3];
     size_t found = 0;
+    uint32_t farSteps = 0;
     for (int step = 0; step < 120; step++)
     {
+        if (world->far != 0.0 && step % 16 == 15)
+            Jump(model, &random, world);
+        farSteps += world->offset != 0.0 && model->set->origin.isSet;
         uint32_t additions = qcRandom_Below(&random, step < 20 ? 25 : step % 10 < 8 ? 7 : 1);
         for (uint32_t i = 0; i < additions; i++)
         {
@@ -178,6 +201,7 @@ static void RunWorld(const World* world)
         if (step == 80)
         {
             qcBoxes_Clear(model->set);
+            CHECK_QUICKLY(!model->set->origin.isSet);
             memset(model->boxes, 0, sizeof model->boxes);
             memset(model->overlapped, 0, sizeof model->overlapped);
             model->ends = 0;
@@ -196,6 +220,7 @@ static void RunWorld(const World* world)
             found += world->changes ? qcModel_CheckChangedPairs(model) : qcModel_CheckMovedPairs(model);
     }
     ck_assert_uint_gt(found, world->changes ? 500 : 1000);
+    ck_assert(world->far == 0.0 || world->infinite || farSteps > 20);
     qcModel_Free(model);
 }
 
@@ -203,12 +228,16 @@ static void RunAllWorlds(bool changes)
 {
     for (uint64_t seed = 1; seed <= 3; seed++)
     {
-        const World worlds[] = {
+        World worlds[] = {
             {.seed = seed, .room = 10, .restless = 0.9, .changes = changes},
             {.seed = seed, .room = 8, .restless = 0.05, .changes = changes},
             {.seed = seed, .room = 8, .integers = true, .restless = 0.5, .changes = changes},
             {.seed = seed, .room = 12, .infinite = true, .restless = 0.5, .changes = changes},
             {.seed = seed, .room = 8, .integers = true, .infinite = true, .restless = 0.1, .changes = changes},
+            {.seed = seed, .room = 10, .restless = 0.9, .changes = changes, .far = 1e9},
+            {.seed = seed, .room = 8, .restless = 0.05, .changes = changes, .far = 1e8},
+            {.seed = seed, .room = 8, .integers = true, .restless = 0.1, .changes = changes, .far = 1e9 + 1},
+            {.seed = seed, .room = 12, .infinite = true, .restless = 0.5, .changes = changes, .far = 1e12},
         };
         for (size_t i = 0; i < sizeof worlds / sizeof *worlds; i++)
             RunWorld(&worlds[i]);
@@ -326,11 +355,12 @@ START_TEST(thousands_of_boxes_in_one_place_are_all_pairs)
 END_TEST
 
 /// Number of octets that a point query visits.
-static uint32_t CountOctets(const qcForest* forest, const double point[3])
+static uint32_t CountOctets(const qcModel* model, const double point[3])
 {
+    const qcForest* forest = &model->set->forest;
     uint32_t visited = (uint32_t)(forest->listIds.count + qc_lanes - 1) / qc_lanes;
     qcFloatBox box;
-    (void)qcFloatBox_Enclose(&box, point, point);
+    (void)qcBoxOrigin_Enclose(&model->set->origin, &box, point, point);
     for (uint64_t trees = forest->staticTrees | forest->dynamicTrees; trees != 0;)
     {
         const qcBoxTree* tree = &forest->trees[qcForest_NextTree(&trees)];
@@ -354,7 +384,7 @@ START_TEST(points_in_one_line_and_in_one_place_are_found)
     ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 500);
     CheckQuery(model, (double[3]){250, 0, 0}, (double[3]){251, 0, 0});
     // A query visits few of a thousand.
-    ck_assert_uint_le(CountOctets(&model->set->forest, (double[3]){250, 0, 0}), 12);
+    ck_assert_uint_le(CountOctets(model, (double[3]){250, 0, 0}), 12);
     qcModel_Free(model);
 }
 END_TEST
@@ -380,9 +410,63 @@ START_TEST(infinite_boxes_do_not_spoil_the_tree)
     qcModel_CheckMovedPairs(model);
     // 5 infinite boxes share an octet; among the others they would open most of 400.
     const double point[3] = {50, 50, 50}, outside[3] = {1e9, 0, 0};
-    ck_assert_uint_le(CountOctets(&model->set->forest, point), 25);
-    ck_assert_uint_le(CountOctets(&model->set->forest, outside), 10);
+    ck_assert_uint_le(CountOctets(model, point), 25);
+    ck_assert_uint_le(CountOctets(model, outside), 10);
     qcModel_Free(model);
+}
+END_TEST
+
+/// Adds boxes of edge 0.5 at a distance from zero and moves them, with a search after each step or only after the last.
+/// Returns the pairs compared in all searches.
+static size_t MoveCrowd(double distance, bool search)
+{
+    enum
+    {
+        count = 2000
+    };
+    qcModel* model = qcModel_Make();
+    qcRandom random = {8};
+    size_t compared = 0, queried = 0;
+    for (int step = 0; step < 4; step++)
+        for (uint32_t id = 0; id <= count; id++)
+        {
+            double lower[3], upper[3];
+            for (int k = 0; k < 3 && id < count; k++)
+            {
+                lower[k] = step == 0 ? distance + qcRandom_Uniform(&random, 0.0, 26.0)
+                                     : model->boxes[id].lower[k] + qcRandom_Uniform(&random, -0.05, 0.05);
+                upper[k] = lower[k] + 0.5;
+            }
+            if (id < count && step == 0)
+                qcModel_Add(model, lower, upper);
+            else if (id < count)
+                qcModel_Move(model, id, lower, upper);
+            else if (search || step == 3)
+            {
+                qcModel_CheckMovedPairs(model);
+                compared += qcBoxes_GetProfile(model->set).compared;
+            }
+        }
+    qcModel_CheckForest(model);
+    for (uint32_t id = 0; id < count; id += 50)
+    {
+        CheckQuery(model, model->boxes[id].lower, model->boxes[id].upper);
+        queried += CountOctets(model, model->boxes[id].lower);
+    }
+    ck_assert_uint_le(queried, 40 * 20);
+    qcModel_Free(model);
+    return compared;
+}
+
+START_TEST(a_crowd_far_from_zero_is_compared_as_little_as_one_near_it)
+{
+    static const double distances[] = {1e7, -1e8, 1e9, 1e12};
+    for (int search = 0; search <= 1; search++)
+    {
+        size_t near = MoveCrowd(0.0, search);
+        for (size_t i = 0; i < sizeof distances / sizeof *distances; i++)
+            ck_assert_uint_le(MoveCrowd(distances[i], search), near + near / 2);
+    }
 }
 END_TEST
 
@@ -501,12 +585,12 @@ START_TEST(several_threads_may_query_at_once)
 END_TEST
 
 /// A cloud of boxes: enough for every array to grow. Returns whether a call ran out of memory.
-static bool GrowCloud(qcBoxes* set, uint32_t step)
+static bool GrowCloud(qcBoxes* set, uint32_t step, double far)
 {
     bool failed = false;
     for (uint32_t i = 0; i < 300; i++)
     {
-        double lower[3] = {i % 30 + step * 0.25, i / 30, 0}, upper[3] = {lower[0] + 1, lower[1] + 1, 1};
+        double lower[3] = {i % 30 + step * (0.25 + far), i / 30, 0}, upper[3] = {lower[0] + 1, lower[1] + 1, 1};
         uint32_t id = i;
         qcStatus status = step == 0 ? qcBoxes_Add(set, lower, upper, NULL, &id) : qcBoxes_Move(set, i, lower, upper);
         if (status != qc_statusOk)
@@ -554,8 +638,11 @@ START_TEST(out_of_memory_is_a_status_and_the_next_try_finds_everything)
 {
     qcFailingHeap heap = {0, 0, 0};
     CHECK_OK(qcSetAllocator(qcFailingHeap_Allocate, qcFailingHeap_Release, &heap));
-    for (int changes = 0; changes <= 1; changes++)
+    for (int way = 0; way < 4; way++)
     {
+        bool changes = way % 2 != 0;
+        // In the second step near zero, or far from it.
+        double far = way < 2 ? 0.0 : 1e9;
         size_t failures = 0, successes = 0;
         // Some failures are harmless: trees stay unmerged, lists long.
         for (size_t failAt = 1; successes < 5; failAt++)
@@ -570,7 +657,7 @@ START_TEST(out_of_memory_is_a_status_and_the_next_try_finds_everything)
             }
             for (uint32_t step = 0; step < 2; step++)
             {
-                failed = GrowCloud(set, step) || failed;
+                failed = GrowCloud(set, step, far) || failed;
                 failed = SearchCloud(set, step, changes) || failed;
             }
             qcBoxes_Destroy(set);
@@ -590,6 +677,7 @@ QC_RUN_TESTS("boxes", pairs_and_queries_equal_brute_force_whatever_changes,
              a_step_shorter_than_the_spacing_of_floats_begins_and_ends_a_pair,
              a_pair_is_reported_only_when_one_of_the_two_moved, a_removed_box_is_in_no_pair,
              thousands_of_boxes_in_one_place_are_all_pairs, points_in_one_line_and_in_one_place_are_found,
-             infinite_boxes_do_not_spoil_the_tree, ids_are_reused_lowest_first,
-             bad_input_is_refused_and_changes_nothing, a_query_ends_when_the_function_returns_false,
-             several_threads_may_query_at_once, out_of_memory_is_a_status_and_the_next_try_finds_everything)
+             infinite_boxes_do_not_spoil_the_tree, a_crowd_far_from_zero_is_compared_as_little_as_one_near_it,
+             ids_are_reused_lowest_first, bad_input_is_refused_and_changes_nothing,
+             a_query_ends_when_the_function_returns_false, several_threads_may_query_at_once,
+             out_of_memory_is_a_status_and_the_next_try_finds_everything)

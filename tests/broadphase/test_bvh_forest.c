@@ -145,6 +145,62 @@ START_TEST(a_box_of_floats_is_the_smallest_around_a_box)
 }
 END_TEST
 
+START_TEST(a_box_of_floats_relative_to_an_origin_contains_the_box)
+{
+    // Differences that round to a float: 2^53 + 1 and 2^53 - 0.5 become 2^53.
+    static const qcBoxOrigin origin = {{-0x1p53, 0x1p53, 0x1p960}, true};
+    qcFloatBox box;
+    qcBoxOrigin_EncloseFrom(&origin, &box, (double[3]){-0.5, -1, -DBL_MAX}, (double[3]){1, 0.5, DBL_MAX});
+    ck_assert(box.lower[0] < 0x1p53f && box.upper[0] > 0x1p53f);
+    ck_assert(box.lower[1] < -0x1p53f && box.upper[1] > -0x1p53f);
+    ck_assert(box.lower[2] == -INFINITY && box.upper[2] == INFINITY);
+    // No wider than rounding makes it.
+    ck_assert(box.lower[0] >= 0x1p53f - 0x1p30f && box.upper[0] <= 0x1p53f + 0x1p30f);
+    qcBoxOrigin_EncloseFrom(&origin, &box, (double[3]){-INFINITY, INFINITY, -INFINITY},
+                            (double[3]){INFINITY, INFINITY, -INFINITY});
+    ck_assert(box.lower[0] == -INFINITY && box.upper[0] == INFINITY);
+    ck_assert(box.lower[1] == INFINITY && box.upper[1] == INFINITY);
+    ck_assert(box.lower[2] == -INFINITY && box.upper[2] == -INFINITY);
+    // The origin itself.
+    qcBoxOrigin_EncloseFrom(&origin, &box, origin.at, origin.at);
+    for (int k = 0; k < 3; k++)
+        ck_assert(box.lower[k] == 0.0f && box.upper[k] == 0.0f);
+}
+END_TEST
+
+START_TEST(the_origin_moves_only_where_fewer_boxes_are_coarse)
+{
+    qcBounds sample[qc_originSample];
+    for (uint32_t i = 0; i < qc_originSample; i++)
+        for (int k = 0; k < 3; k++)
+        {
+            sample[i].lower[k] = 1e9 + 0.1 * (i * (uint32_t)(k + 3) % 64);
+            sample[i].upper[k] = sample[i].lower[k] + 0.5;
+        }
+    qcBoxOrigin origin = {.isSet = false};
+    ck_assert(qcBoxOrigin_Choose(&origin, sample, qc_originSample));
+    ck_assert(origin.isSet && fabs(origin.at[0] - 1e9) < 10.0 && fabs(origin.at[2] - 1e9) < 10.0);
+    // There no box is coarse.
+    ck_assert(!qcBoxOrigin_Choose(&origin, sample, qc_originSample));
+    // Two crowds far apart: no origin is near both.
+    origin = (qcBoxOrigin){.isSet = false};
+    for (uint32_t i = 0; i < qc_originSample; i += 2)
+        for (int k = 0; k < 3; k++)
+        {
+            sample[i].lower[k] -= 2e9;
+            sample[i].upper[k] -= 2e9;
+        }
+    ck_assert(!qcBoxOrigin_Choose(&origin, sample, qc_originSample));
+    // Points near zero are coarse wherever the origin is.
+    for (uint32_t i = 0; i < qc_originSample; i++)
+        for (int k = 0; k < 3; k++)
+            sample[i].lower[k] = sample[i].upper[k] = 0.1 * (i * (uint32_t)(k + 3) % 61 + 1);
+    ck_assert(!qcBoxOrigin_Choose(&origin, sample, qc_originSample));
+    ck_assert(!qcBoxOrigin_Choose(&origin, sample, 0));
+    ck_assert(!origin.isSet);
+}
+END_TEST
+
 START_TEST(build_order_keeps_every_item_and_neighbours_together)
 {
     enum
@@ -264,5 +320,6 @@ END_TEST
 
 QC_RUN_TESTS("box forest", every_kernel_finds_what_brute_force_finds,
              every_kernel_casts_with_the_same_result_to_the_last_bit, a_box_of_floats_is_the_smallest_around_a_box,
+             a_box_of_floats_relative_to_an_origin_contains_the_box, the_origin_moves_only_where_fewer_boxes_are_coarse,
              build_order_keeps_every_item_and_neighbours_together, a_search_without_moves_does_nothing,
              a_search_with_few_moves_leaves_the_rest_alone, a_search_with_very_few_moves_builds_no_tree)
