@@ -115,8 +115,9 @@ static int LongestAxis(const qcBoxItem* items, size_t count)
     return longest;
 }
 
-/// Splits recursively, at the node boundary nearest to the middle.
-static void Split(qcBoxItem* items, size_t first, size_t end)
+/// Splits recursively, at the node boundary nearest to the middle. Aligned: at other addresses its loops, and with them
+/// adding boxes and the first search, took a twentieth longer.
+__attribute__((aligned(64))) static void Split(qcBoxItem* items, size_t first, size_t end)
 {
     while (first / qc_lanes != (end - 1) / qc_lanes)
     {
