@@ -231,9 +231,9 @@ QC_API bool qcTrianglesWithin(const double* a, const double* b, double margin, q
 QC_API bool qcTrianglesStayApart(const double* startA, const double* endA, const double* startB, const double* endB,
                                  double direction[3]);
 
-/// Should the triangles of two different bodies, named by their slots, be tested? The answer for a pair must not change
-/// during a step. It may be called several times for a pair and on several threads at once, and must
-/// not call functions of the scene.
+/// Should the triangles of two different bodies, named by their slots, be tested? The slots may come in either order,
+/// and the answer must be the same for both. It must not change during a step. The function may be called several times
+/// for a pair and on several threads at once, and must not call functions of the scene.
 typedef bool (*qcPairFilter)(void* context, uint32_t slotA, uint32_t slotB);
 
 /// What a step computes, and how. Make it with qcDefaultDetectDef, which sets all fields to 0, false or null unless
