@@ -421,7 +421,7 @@ typedef struct qcManifoldPoint
     double normal[3];
     /// At most the margin; negative: penetration depth at this point. Where bodies touch, it is rounding error. Where
     /// they overlap within the margin by a small part of their triangles, the depth is at most a small multiple of the
-    /// overlap. Larger overlaps may give larger depths.
+    /// overlap. Larger overlaps may give larger depths. -infinity: a depth beyond the largest double.
     double distance;
     uint32_t triangleA; ///< triangle of A that the point was computed from
     uint32_t triangleB; ///< triangle of B that the point was computed from
