@@ -61,13 +61,31 @@ QC_INLINE PlaneFloats MaxLength(PlaneVectors x, PlaneFloats sum)
     return 0.5f * (estimate + DotPlanes(x, x) / estimate);
 }
 
+/// NaN for triangles with a coordinate above 1: added to a corner, it keeps planes from separating them. 0 for others.
+QC_INLINE PlaneFloats FindOutliers(const qcPlaneTest* test, int side, const qcCorners* corners)
+{
+    PlaneFloats size = {0};
+    for (int c = 0; c < 3; c++)
+    {
+        PlaneFloats p[4];
+        LoadPlanePoints(test->sides[side].points, corners, c, p);
+        for (int axis = 0; axis < 3; axis++)
+            size = MaxPlane(size, AbsoluteLanes(p[axis]));
+    }
+    return (PlaneFloats)(PlaneInts)(size > 1.0f);
+}
+
 /// Triangles at .. at + qc_planeLanes - 1 of a cluster.
 QC_INLINE void FillLanes(const qcPlaneTest* test, int side, const qcCorners* corners, int at, qcClusterPlanes* planes)
 {
     PlaneVectors p[3];
+    PlaneFloats outlier = {0};
+    if (test->thresholds->hasOutliers)
+        outlier = FindOutliers(test, side, corners + at);
     for (int c = 0; c < 3; c++)
     {
         p[c] = LoadCorner(test, side, corners + at, c);
+        p[c] = (PlaneVectors){p[c].x + outlier, p[c].y + outlier, p[c].z + outlier};
         StoreLanes(p[c].x, planes->corner[c][0] + at);
         StoreLanes(p[c].y, planes->corner[c][1] + at);
         StoreLanes(p[c].z, planes->corner[c][2] + at);

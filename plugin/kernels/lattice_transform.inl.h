@@ -3,18 +3,38 @@
 // from the corners: between rotated bunnies, half as many pairs of triangles then reach the filter.
 //
 // The rounding is in `grow`. If it is infinite, the transform is useless: ends are then infinite or NaN, and both are
-// clamped to the ends of the lattice. Proof: plugin/docs/proofs/bvh_pairs.md.
+// clamped to the ends of the lattice. So are those of boxes with outliers. Proof: plugin/docs/proofs/bvh_pairs.md.
 #ifndef QC_KERNELS_LATTICE_TRANSFORM_INL_H
 #define QC_KERNELS_LATTICE_TRANSFORM_INL_H
 
 #include "kernels/separating_axis.inl.h"
+
+typedef int32_t EightMasks __attribute__((vector_size(32)));
+
+/// Eight ends as floats; with outliers, those at the first level, or the complement of the last, are -infinity.
+QC_INLINE EightFloats LoadOpenEnds(const int16_t* ends, bool hasOutliers, int16_t first)
+{
+    EightFloats loaded = LoadEnds(ends);
+    if (!hasOutliers)
+        return loaded;
+    EightMasks isOpen = (EightMasks)(loaded <= (float)first), infinite = (EightMasks)((EightFloats){0} - INFINITY);
+    return (EightFloats)((isOpen & infinite) | (~isOpen & (EightMasks)loaded));
+}
+
+/// The lower and the upper ends of eight boxes along an axis.
+QC_INLINE void LoadIntervals(const qcBox8* boxes, int axis, bool hasOutliers, EightFloats* lower, EightFloats* upper)
+{
+    *lower = LoadOpenEnds(boxes->ends[axis], hasOutliers, INT16_MIN);
+    *upper = -LoadOpenEnds(boxes->ends[axis] + qc_boxLanes, hasOutliers, (int16_t) ~(qc_lastLevel - 32768));
+}
 
 /// Each end by itself: one rounding for each operation of the general case.
 QC_INLINE void ScaleBoxes(const qcBox8* boxes, const qcBoxTransform* transform, qcBox8* transformed)
 {
     for (int axis = 0; axis < 3; axis++)
     {
-        EightFloats lower = LoadEnds(boxes->ends[axis]), end = -LoadEnds(boxes->ends[axis] + qc_boxLanes);
+        EightFloats lower, end;
+        LoadIntervals(boxes, axis, transform->hasOutliers, &lower, &end);
         float scale = transform->linear[axis][axis], shift = transform->shift[axis], grow = transform->grow[axis];
         StoreEnds(lower * scale + (shift - grow), end * scale + (shift + grow), boxes->ends[0], axis, transformed);
     }
@@ -31,7 +51,8 @@ static void TransformBoxes(const qcBox8* boxes, const qcBoxTransform* transform,
     }
     for (int axis = 0; axis < 3; axis++)
     {
-        EightFloats lower = LoadEnds(boxes->ends[axis]), end = -LoadEnds(boxes->ends[axis] + qc_boxLanes);
+        EightFloats lower, end;
+        LoadIntervals(boxes, axis, transform->hasOutliers, &lower, &end);
         centre[axis] = 0.5f * (lower + end);
         half[axis] = 0.5f * (end - lower);
     }
@@ -43,6 +64,18 @@ static void TransformBoxes(const qcBox8* boxes, const qcBoxTransform* transform,
         EightFloats around = size[0] * half[0] + size[1] * half[1] + size[2] * half[2] + transform->grow[axis];
         StoreEnds(at - around, at + around, boxes->ends[0], axis, transformed);
     }
+}
+
+/// How many times as large errors of triangles are if a coordinate exceeds 1; infinite if products could overflow.
+QC_INLINE PlaneFloats FindErrorFactor(PlaneFloats p[3][4])
+{
+    PlaneFloats size = (PlaneFloats){0} + 1.0f;
+    for (int c = 0; c < 3; c++)
+        for (int axis = 0; axis < 3; axis++)
+            size = MaxPlane(size, AbsoluteLanes(p[c][axis]));
+    PlaneInts isLarge = size > QC_MAX_COORDINATE;
+    const PlaneFloats infinite = (PlaneFloats){0} + INFINITY;
+    return (PlaneFloats)((isLarge & (PlaneInts)infinite) | (~isLarge & (PlaneInts)(size * 1.0001f)));
 }
 
 static void TransformTriangles(const qcTransformedBvh* bvh, uint32_t cluster, qcBox8* transformed)
@@ -57,13 +90,17 @@ static void TransformTriangles(const qcTransformedBvh* bvh, uint32_t cluster, qc
         for (int c = 0; c < 3; c++)
             LoadPlanePoints(bvh->triangles.points, corners + at, c, p[c]);
         StoreShorts(p[0][3], marks + at);
+        PlaneFloats factor = (PlaneFloats){0} + 1.0f;
+        if (transform->hasOutliers)
+            factor = FindErrorFactor(p);
         for (int axis = 0; axis < 3; axis++)
         {
             const float* row = transform->linear[axis];
             PlaneFloats x[3];
             for (int c = 0; c < 3; c++)
                 x[c] = p[c][0] * row[0] + p[c][1] * row[1] + p[c][2] * row[2];
-            float shift = transform->shift[axis], grow = transform->grow[axis];
+            float shift = transform->shift[axis];
+            PlaneFloats grow = transform->grow[axis] * factor;
             StoreLanes(MinPlane(x[0], MinPlane(x[1], x[2])) + shift - grow, lower[axis] + at);
             StoreLanes(MaxPlane(x[0], MaxPlane(x[1], x[2])) + shift + grow, upper[axis] + at);
         }

@@ -97,6 +97,16 @@ QC_INLINE Vectors TransformPoints(const qcDistanceThresholds* thresholds, Vector
     return (Vectors){x[0], x[1], x[2]};
 }
 
+/// How many times as large errors are if a coordinate of the six corners exceeds 1, in its own frame.
+QC_INLINE Floats FindErrorFactors(const qcIndexedTriangles* a, const qcIndexedTriangles* b, uint32_t id[6][QC_LANES])
+{
+    Floats size = (Floats){0} + 1.0f;
+    for (int c = 0; c < 3; c++)
+        size = MaxFloats(
+            size, MaxFloats(MaxAbsolute(LoadPoints(a->points, id[c])), MaxAbsolute(LoadPoints(b->points, id[3 + c]))));
+    return size * 1.0001f;
+}
+
 /// The first QC_LANES pairs; past the end the last one is repeated. `frameA` transforms the points of a; null: they are
 /// in the frame already.
 QC_INLINE PairLanes LoadFramedPairs(const qcIndexedTriangles* a, const qcDistanceThresholds* frameA,
@@ -135,7 +145,14 @@ QC_INLINE PairLanes LoadFramedPairs(const qcIndexedTriangles* a, const qcDistanc
     l.f = Times(l.f, scale);
     l.scale = scale;
     l.error = thresholds->pointError * scale;
-    l.gap = 4.0f * thresholds->pointError * scale * 1.0001f + 4e-6f;
+    if (thresholds->hasOutliers)
+    {
+        Floats factor = FindErrorFactors(a, b, id);
+        // Beyond, products could overflow: nothing is proven.
+        Ints isLarge = factor > QC_MAX_COORDINATE;
+        l.error = (Floats)((isLarge & (Ints)((Floats){0} + INFINITY)) | (~isLarge & (Ints)(l.error * factor)));
+    }
+    l.gap = 4.0f * l.error * 1.0001f + 4e-6f;
     l.query = thresholds->query * scale * 1.0001f;
     return l;
 }

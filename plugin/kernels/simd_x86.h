@@ -52,9 +52,11 @@ static inline void Transpose(const Shorts row[8], Shorts column[8])
     }
 }
 
-/// Levels lower 0 to 65533, moved to the range of shorts.
-static inline __m128i ToLevels(__m256d scaled)
+/// Truncated, and moved to the range of shorts. With outliers, beyond the lattice it is the first level or the last.
+static inline __m128i ToLevels(__m256d scaled, bool hasOutliers)
 {
+    if (hasOutliers)
+        scaled = _mm256_min_pd(_mm256_max_pd(scaled, _mm256_setzero_pd()), _mm256_set1_pd(qc_lastLevel));
     return _mm_sub_epi32(_mm256_cvttpd_epi32(scaled), _mm_set1_epi32(32768));
 }
 
@@ -89,13 +91,13 @@ static inline void StorePoint(const qcLatticeTransform* lattice, __m256d x, qcPo
 
 /// The levels of two positions, the second one with the margin.
 static inline void StoreRow(const qcLatticeTransform* lattice, __m256d first, __m256d last, bool hasMargin,
-                            qcBoxRow* row)
+                            bool hasOutliers, qcBoxRow* row)
 {
     __m256d origin = _mm256_loadu_pd(lattice->origin), scale = _mm256_loadu_pd(lattice->scale);
     if (hasMargin)
         last = _mm256_add_pd(last, _mm256_loadu_pd(lattice->margin));
-    __m128i low = ToLevels(_mm256_mul_pd(_mm256_sub_pd(first, origin), scale)),
-            high = ToLevels(_mm256_mul_pd(_mm256_sub_pd(last, origin), scale));
+    __m128i low = ToLevels(_mm256_mul_pd(_mm256_sub_pd(first, origin), scale), hasOutliers),
+            high = ToLevels(_mm256_mul_pd(_mm256_sub_pd(last, origin), scale), hasOutliers);
     __m128i ends = _mm_packs_epi32(low, high);
     _mm_storeu_si128((__m128i*)row, _mm_xor_si128(ends, _mm_set_epi64x(-1, 0)));
 }

@@ -33,7 +33,7 @@ typedef struct qcBoxRow
     int16_t ends[8];
 } qcBoxRow;
 
-/// A vertex in the frame of its BVH.
+/// A vertex in the frame of its BVH: coordinates from 0 to 1, except those of outliers, which may be infinite.
 typedef struct qcPoint
 {
     float x[4]; ///< the last is 0; qc_emptyEnd in the point of slots without a triangle
@@ -51,6 +51,8 @@ typedef struct qcLatticeTransform
     double unit[4];   ///< to the frame: (x - origin) * unit
     double scale[4];  ///< to the lattice: (x - origin) * scale, from 0 to qc_lastLevel
     double margin[4]; ///< upper ends are those of x + margin
+    /// Few vertices may lie outside: levels are clamped, and ends at the first and the last one stand for all beyond.
+    bool hasOutliers;
 } qcLatticeTransform;
 
 /// Positions of a body's vertices, three numbers each: one of the two is null. vertexOf[i] is the index of vertex i.
@@ -85,10 +87,12 @@ typedef struct qcIndexedTriangles
 /// linear p + shift there.
 typedef struct qcDistanceThresholds
 {
-    float pointError;   ///< max error of a coordinate in that frame
-    float query;        ///< pairs proven farther apart are dropped
-    float near;         ///< pairs proven no farther apart are near. Below 0: no classification by distance
-    float far;          ///< pairs proven farther apart are separate; at least `near`
+    float pointError; ///< max error of a coordinate in that frame
+    bool
+        hasOutliers; ///< a triangle may have a coordinate above 1 in its own frame: its errors are as many times larger
+    float query;     ///< pairs proven farther apart are dropped
+    float near;      ///< pairs proven no farther apart are near. Below 0: no classification by distance
+    float far;       ///< pairs proven farther apart are separate; at least `near`
     bool isTransformed; ///< false: both have one frame, and linear and shift are unused
     float linear[3][3], shift[3];
 } qcDistanceThresholds;
@@ -98,7 +102,8 @@ typedef struct qcDistanceThresholds
 typedef struct qcBoxTransform
 {
     float linear[3][3], shift[3], grow[3];
-    bool isDiagonal; ///< both lattices have the same axes: `linear` is 0 off its diagonal, and positive on it
+    bool isDiagonal;  ///< both lattices have the same axes: `linear` is 0 off its diagonal, and positive on it
+    bool hasOutliers; ///< of the first one, see qcLatticeTransform
 } qcBoxTransform;
 
 /// The triangles of a cluster side by side, in the frame of a search, and their planes: a triangle lies apart from

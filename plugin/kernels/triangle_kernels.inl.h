@@ -22,6 +22,9 @@ enum
     qc_verticesAhead = 24
 };
 
+/// Products with larger coordinates of outliers, in their own frames, could overflow.
+#define QC_MAX_COORDINATE 0x1p24f
+
 /// Vertex i of the source.
 QC_INLINE Position LoadPosition(const qcVertexSource* source, bool isFloat, size_t i)
 {
@@ -42,7 +45,7 @@ static bool HasMargin(const qcLatticeTransform* lattice)
 }
 
 QC_INLINE void TransformRange(const qcLatticeTransform* lattice, const qcVertexRange* range, bool isFloat,
-                              bool hasMargin, qcPoint* points, qcBoxRow* rows)
+                              bool hasMargin, bool hasOutliers, qcPoint* points, qcBoxRow* rows)
 {
     for (size_t i = range->first; i < range->end; i++)
     {
@@ -50,20 +53,23 @@ QC_INLINE void TransformRange(const qcLatticeTransform* lattice, const qcVertexR
             FetchPosition(&range->source, isFloat, i + qc_verticesAhead);
         Position x = LoadPosition(&range->source, isFloat, i);
         StorePoint(lattice, x, &points[i]);
-        StoreRow(lattice, x, x, hasMargin, &rows[i]);
+        StoreRow(lattice, x, x, hasMargin, hasOutliers, &rows[i]);
     }
 }
 
 static void TransformVertices(const qcLatticeTransform* lattice, const qcVertexRange* range, qcPoint* points,
                               qcBoxRow* rows)
 {
-    bool hasMargin = HasMargin(lattice);
-    if (range->source.floats != NULL)
-        hasMargin ? TransformRange(lattice, range, true, true, points, rows)
-                  : TransformRange(lattice, range, true, false, points, rows);
+    bool hasMargin = HasMargin(lattice), isFloat = range->source.floats != NULL;
+    if (lattice->hasOutliers)
+        isFloat ? TransformRange(lattice, range, true, true, true, points, rows)
+                : TransformRange(lattice, range, false, true, true, points, rows);
+    else if (isFloat)
+        hasMargin ? TransformRange(lattice, range, true, true, false, points, rows)
+                  : TransformRange(lattice, range, true, false, false, points, rows);
     else
-        hasMargin ? TransformRange(lattice, range, false, true, points, rows)
-                  : TransformRange(lattice, range, false, false, points, rows);
+        hasMargin ? TransformRange(lattice, range, false, true, false, points, rows)
+                  : TransformRange(lattice, range, false, false, false, points, rows);
 }
 
 /// Roundings are monotone: the levels of the least and the greatest coordinates are those of the box around all rows.
@@ -97,7 +103,7 @@ QC_INLINE void BoundRange(const qcLatticeTransform* lattice, const qcVertexSourc
             lower = MinPositions(lower, x);
             upper = MaxPositions(upper, x);
         }
-        StoreRow(lattice, lower, upper, hasMargin, &rows[node]);
+        StoreRow(lattice, lower, upper, hasMargin, lattice->hasOutliers, &rows[node]);
     }
 }
 

@@ -92,9 +92,16 @@ static inline void StorePoint(const qcLatticeTransform* lattice, Position positi
     point->x[3] = 0.0f;
 }
 
+/// Truncated. With outliers, beyond the lattice it is the first level or the last.
+static inline int32_t ToLevel(double scaled, bool hasOutliers)
+{
+    double level = scaled > 0.0 || !hasOutliers ? scaled : 0.0;
+    return (int32_t)(level < qc_lastLevel || !hasOutliers ? level : qc_lastLevel) - 32768;
+}
+
 /// The levels of two positions, the second one with the margin.
 static inline void StoreRow(const qcLatticeTransform* lattice, Position first, Position last, bool hasMargin,
-                            qcBoxRow* row)
+                            bool hasOutliers, qcBoxRow* row)
 {
     *row = (qcBoxRow){{0}};
     for (int axis = 0; axis < 3; axis++)
@@ -102,8 +109,8 @@ static inline void StoreRow(const qcLatticeTransform* lattice, Position first, P
         double lower = first.x[axis] - lattice->origin[axis],
                end = hasMargin ? last.x[axis] + lattice->margin[axis] : last.x[axis],
                upper = end - lattice->origin[axis];
-        row->ends[axis] = (int16_t)((int32_t)(lower * lattice->scale[axis]) - 32768);
-        row->ends[axis + 4] = (int16_t) ~((int32_t)(upper * lattice->scale[axis]) - 32768);
+        row->ends[axis] = (int16_t)ToLevel(lower * lattice->scale[axis], hasOutliers);
+        row->ends[axis + 4] = (int16_t)~ToLevel(upper * lattice->scale[axis], hasOutliers);
     }
 }
 

@@ -134,6 +134,43 @@ START_TEST(a_transform_too_large_for_floats_gives_boxes_that_overlap_everything)
 }
 END_TEST
 
+START_TEST(ends_of_boxes_with_outliers_are_unbounded)
+{
+    const Box all = {{0, 0, 0}, {65533, 65533, 65533}};
+    qcRandom random = {18};
+    int open = 0;
+    FOR_EACH_KERNELS(k)
+    for (int round = 0; round < 3000; round++)
+    {
+        ExactTransform map = MakeTrueMap(&random, round % 2 != 0);
+        qcBoxTransform rounded = ToBoxTransform(&map), without;
+        rounded.isDiagonal = round % 2 == 0;
+        without = rounded;
+        rounded.hasOutliers = true;
+        qcBox8 boxes, transformed, expected;
+        MakeBox8(&random, round % 4 < 2 ? 0 : 65533 - 20, 20, &boxes);
+        k->transformBoxes(&boxes, &rounded, &transformed);
+        k->transformBoxes(&boxes, &without, &expected);
+        for (int i = 0; i < qc_boxLanes; i++)
+        {
+            Box box = BoxAt(&boxes, i), found = BoxAt(&transformed, i), closed = BoxAt(&expected, i);
+            bool isOpen = false;
+            for (int axis = 0; axis < 3 && box.lower[0] <= box.upper[0]; axis++)
+            {
+                if (box.lower[axis] == 0)
+                    closed.lower[axis] = 0;
+                if (box.upper[axis] == 65533)
+                    closed.upper[axis] = 65533;
+                isOpen |= box.lower[axis] == 0 || box.upper[axis] == 65533;
+            }
+            CheckBox(found, isOpen && !rounded.isDiagonal ? all : closed, k->name, (size_t)i);
+            open += isOpen;
+        }
+    }
+    ck_assert_int_gt(open, 1000);
+}
+END_TEST
+
 //  ---- triangles -----------------------------------------------------------------------------------
 
 enum
@@ -240,6 +277,51 @@ START_TEST(the_box_of_a_transformed_triangle_contains_its_corners_and_is_little_
 }
 END_TEST
 
+START_TEST(the_box_of_a_transformed_outlier_contains_its_corners)
+{
+    static Other other;
+    qcRandom random = {19};
+    size_t inside = 0;
+    FOR_EACH_KERNELS(k)
+    for (int round = 0; round < 3000; round++)
+    {
+        MakeOther(&random, 9, &other);
+        double size = ldexp(1.0, 3 * (round % 40));
+        for (int i = 0; i < qc_pointsInTest; i += 3)
+            for (int axis = 0; axis < 3; axis++)
+                other.points[i].x[axis] =
+                    round % 40 == 39 ? -INFINITY : (float)(size * qcRandom_Uniform(&random, -1.0, 1.0));
+        ExactTransform map = MakePointTransform(&random, 1000.0, 300000.0);
+        other.transformed.points = ToBoxTransform(&map);
+        other.transformed.points.hasOutliers = true;
+        for (int axis = 0; axis < 3; axis++)
+        {
+            long double sizes = fabsl(map.shift[axis]);
+            for (int j = 0; j < 3; j++)
+                sizes += fabsl(map.linear[axis][j]);
+            other.transformed.points.grow[axis] = (float)(0x1p-20L * sizes + 0x1p-4L);
+        }
+        uint32_t cluster = qcRandom_Below(&random, qc_clustersInTest);
+        qcBox8 transformed;
+        k->transformTriangles(&other.transformed, cluster, &transformed);
+        for (int i = 0; i < qc_boxLanes; i++)
+            for (int axis = 0; axis < 3 && other.nodes.clusters[cluster].ends[0][i] != qc_emptyEnd; axis++)
+            {
+                long double low, high;
+                Box found = BoxAt(&transformed, i);
+                FindRange(&map, &other, cluster * qc_clusterSize + (size_t)i, axis, &low, &high);
+                bool isBounded = low == low && high == high; // no NaN
+                CHECK_THAT(found.lower[axis] <= (isBounded ? fminl(fmaxl(low, 0.0L), 65533.0L) : 0.0L) &&
+                               found.upper[axis] >= (isBounded ? floorl(fmaxl(fminl(high, 65533.0L), 0.0L)) : 65533.0L),
+                           "%s: %d .. %d, but it goes from %Lg to %Lg", k->name, found.lower[axis], found.upper[axis],
+                           low, high);
+                inside += high >= 0.0L && low < 65533.0L;
+            }
+    }
+    ck_assert_uint_gt(inside, 10000);
+}
+END_TEST
+
 START_TEST(triangles_under_a_transform_too_large_for_floats_overlap_everything)
 {
     static Other other;
@@ -250,7 +332,7 @@ START_TEST(triangles_under_a_transform_too_large_for_floats_overlap_everything)
         for (size_t j = 0; j < LENGTH(large); j++)
         {
             MakeOther(&random, 9, &other);
-            other.transformed.points = (qcBoxTransform){{{0}}, {0}, {INFINITY, INFINITY, INFINITY}, false};
+            other.transformed.points = (qcBoxTransform){.grow = {INFINITY, INFINITY, INFINITY}};
             for (int axis = 0; axis < 3; axis++)
             {
                 other.transformed.points.linear[axis][axis] = large[i];
@@ -345,7 +427,9 @@ START_TEST(collected_pairs_of_two_lattices_are_those_whose_transformed_boxes_ove
 }
 END_TEST
 
-QC_RUN_TESTS("lattice_transform", a_transformed_box_contains_the_image_of_the_box_and_is_little_larger,
+QC_RUN_TESTS("lattice_transform", ends_of_boxes_with_outliers_are_unbounded,
+             the_box_of_a_transformed_outlier_contains_its_corners,
+             a_transformed_box_contains_the_image_of_the_box_and_is_little_larger,
              a_transform_too_large_for_floats_gives_boxes_that_overlap_everything,
              the_box_of_a_transformed_triangle_contains_its_corners_and_is_little_larger,
              triangles_under_a_transform_too_large_for_floats_overlap_everything,

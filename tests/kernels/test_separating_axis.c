@@ -237,6 +237,66 @@ START_TEST(the_filter_keeps_pairs_that_only_errors_of_points_separate)
 }
 END_TEST
 
+START_TEST(the_filter_keeps_pairs_of_outliers_that_only_errors_of_points_separate)
+{
+    // Both triangles far outside the frame, where errors are as many times larger.
+    qcRandom random = {14};
+    qcBatch batch = {.count = 0};
+    for (int i = 0; i < 4000; i++)
+    {
+        double a[3][3], b[3][3], n[3], error = ldexp(1.0, -4 - i % 7), away = ldexp(1.0, 1 + i % 10),
+                                       apart = i % 3 == 0 ? 0.0 : ldexp(1.0, -i % 20 - 2);
+        qcMakeOverEachOther(&random, i % 2 == 0, apart, a, b, n);
+        qcOracleDistance* distance = qcOracleDistance_Create((const double(*)[3])a, (const double(*)[3])b);
+        qcDistanceThresholds thresholds = {.pointError = (float)(error / away),
+                                           .hasOutliers = true,
+                                           .query = qcRoundUp(qcOracleDistance_Get(distance))};
+        qcOracleDistance_Destroy(distance);
+        if (apart == 0.0)
+            thresholds.query = 0.0f;
+        qcMoveApart(a, b, n, (apart == 0.0 ? 0.9999 : 1.0) * error - away * 0x1p-24);
+        int axis = i % 3;
+        for (int c = 0; c < 3; c++)
+        {
+            a[c][axis] += i % 5 == 0 ? -away - 1.0 : away;
+            b[c][axis] += i % 5 == 0 ? -away - 1.0 : away;
+        }
+        qcBatch_Push(&batch, a, b);
+        FOR_EACH_KERNELS(k)
+        CHECK_THAT(Keeps(k, &batch, &thresholds, &random), "%s: pair %d, error %a, apart %a", k->name, i, error, apart);
+    }
+}
+END_TEST
+
+START_TEST(nothing_is_proven_of_outliers_that_are_too_far_away)
+{
+    qcRandom random = {15};
+    qcBatch batch = {.count = 0};
+    static const double far[] = {0x1.8p24, 1e20, 3e38, INFINITY};
+    for (int i = 0; i < 4000; i++)
+    {
+        double a[3][3], b[3][3], n[3];
+        qcMakeOverEachOther(&random, i % 2 == 0, 0.1, a, b, n);
+        for (uint32_t k = 0; k < 1 + qcRandom_Below(&random, 4); k++)
+            (i % 3 == 0 ? a : b)[qcRandom_Below(&random, 3)][qcRandom_Below(&random, 3)] =
+                far[i % 4] * (qcRandom_Below(&random, 2) == 0 ? -1.0 : 1.0);
+        qcBatch_Push(&batch, a, b);
+        qcDistanceThresholds thresholds = {
+            .pointError = 0x1p-24f, .hasOutliers = true, .query = i % 2 == 0 ? 0.0f : 0.01f, .near = 1.0f, .far = 1.0f};
+        qcIndexedTriangles sides[2] = {qcBatch_Side(&batch, 0), qcBatch_Side(&batch, 1)};
+        FOR_EACH_KERNELS(k)
+        {
+            CHECK_THAT(Keeps(k, &batch, &thresholds, &random), "%s drops pair %d", k->name, i);
+            CHECK_THAT(!IsProven(k, &batch, &thresholds), "%s proves that pair %d intersects", k->name, i);
+            qcSlotPair pair = {(uint32_t)batch.count - 1, (uint32_t)batch.count - 1};
+            qcClassifiedCounts counts = k->classify(&sides[0], &sides[1], &thresholds, &pair, 1);
+            CHECK_THAT(counts.count == 1 && counts.nearCount == 0 && counts.separateCount == 0, "%s classifies pair %d",
+                       k->name, i);
+        }
+    }
+}
+END_TEST
+
 START_TEST(the_filter_keeps_pairs_that_meet_after_a_transform)
 {
     // The second side rotated, scaled and moved: errors of its points, and of the transform in floats.
@@ -342,5 +402,7 @@ QC_RUN_TESTS("separating_axis", pairs_proven_to_intersect_do_intersect, the_filt
              the_filter_keeps_pairs_exactly_at_the_query_distance,
              the_filter_keeps_pairs_that_meet_in_exact_coordinates,
              the_filter_keeps_pairs_that_only_errors_of_points_separate,
-             the_filter_keeps_pairs_that_meet_after_a_transform, the_filter_keeps_undecidable_pairs,
-             the_filter_drops_nearly_all_clearly_separate_pairs, the_filter_separates_triangles_in_one_plane)
+             the_filter_keeps_pairs_of_outliers_that_only_errors_of_points_separate,
+             nothing_is_proven_of_outliers_that_are_too_far_away, the_filter_keeps_pairs_that_meet_after_a_transform,
+             the_filter_keeps_undecidable_pairs, the_filter_drops_nearly_all_clearly_separate_pairs,
+             the_filter_separates_triangles_in_one_plane)

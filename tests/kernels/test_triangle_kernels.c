@@ -66,7 +66,7 @@ START_TEST(a_vertex_becomes_its_point_and_its_levels)
         static uint32_t vertexOf[count];
         static qcPoint points[count];
         static qcBoxRow rows[count];
-        qcLatticeTransform map = {{0.0}, {0.0}, {0.0}, {0.0}};
+        qcLatticeTransform map = {.origin = {0.0}};
         double margin = round % 3 == 0 ? 0.0 : 0.01;
         for (int axis = 0; axis < 3; axis++)
         {
