@@ -4,6 +4,7 @@
 
 #include "mesh/limits.h"
 #include "mesh/small_order.h"
+#include "mesh/triangle_sample.h"
 #include "base/four_floats.h"
 #include "base/parallel_for.h"
 #include "base/radix_sort.h"
@@ -77,7 +78,8 @@ static void CountValences(Order* o)
         o->maxValence = valences[v] > o->maxValence ? valences[v] : o->maxValence;
 }
 
-/// Sets the origin and the scale of centroids, from the box around all vertices with a triangle.
+/// Sets the origin and the scale of centroids, from the box around all vertices with a triangle, or most of them: with
+/// outliers the centroids of all others would have few different values.
 static void FindScale(Order* o)
 {
     const uint32_t* valences = o->valences.data;
@@ -91,6 +93,9 @@ static void FindScale(Order* o)
             o->low[k] = x < o->low[k] ? x : o->low[k];
             high[k] = x > high[k] ? x : high[k];
         }
+    qcTriangleSample sample;
+    qcTriangleSample_Take(&sample, o->indices, o->triangleCount, o->positions);
+    (void)qcTriangleSample_Trim(&sample, o->low, high);
     for (int k = 0; k < 3; k++)
         extent = high[k] - o->low[k] > extent ? high[k] - o->low[k] : extent;
     o->scale = extent > 0.0 ? 1.0 / (3.0 * extent) : 0.0;

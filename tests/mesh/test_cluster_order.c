@@ -177,6 +177,24 @@ START_TEST(clusters_of_small_details_are_as_small_as_those_of_the_detail_alone)
 }
 END_TEST
 
+START_TEST(a_far_vertex_makes_few_clusters_larger)
+{
+    // All triangles but those around it, which are in the last row.
+    const double distances[] = {-1e5, 1e5, -1e9, 1e9, -1e100, 1e300};
+    const uint32_t side = 60;
+    for (size_t i = 0; i < LENGTH(distances); i++)
+    {
+        qcSoup grid = qcSoup_MakeGrid(side);
+        uint32_t count = grid.triangleCount - 2 * side;
+        double alone = MeanExtent(&grid, count);
+        double* last = grid.positions + 3 * (size_t)(grid.vertexCount - 1 - side / 2);
+        last[0] = last[1] = last[2] = distances[i];
+        ck_assert_double_lt(MeanExtent(&grid, count), 1.3 * alone);
+        qcSoup_Free(&grid);
+    }
+}
+END_TEST
+
 /// Counts triangles in slots; none is there twice.
 static uint32_t CountSlots(const qcSoup* soup, const qcArray* slots)
 {
@@ -313,4 +331,5 @@ END_TEST
 QC_RUN_TESTS("cluster order", few_triangles_have_the_same_order_with_all_instruction_sets,
              a_limited_order_is_completed_behind_its_slots,
              triangles_anywhere_stand_once_in_the_same_order_with_any_number_of_threads,
-             clusters_of_small_details_are_as_small_as_those_of_the_detail_alone)
+             clusters_of_small_details_are_as_small_as_those_of_the_detail_alone,
+             a_far_vertex_makes_few_clusters_larger)
