@@ -7,6 +7,7 @@
 #include "base/aabb.h"
 #include "base/parallel_for.h"
 #include "base/status.h"
+#include "sweep/bvh/bvh_lattice.h"
 #include "sweep/bvh/lattice_map.h"
 #include "sweep/bvh/leaf_pairs.h"
 #include "sweep/bvh/motion_bvhs.h"
@@ -225,50 +226,64 @@ static void DescendBeside(qcPairQueue* queue, uint32_t level, qcNodePair nodes, 
 
 //  ---- two bodies ------------------------------------------------------------------------------------
 
+/// The size of a body, without its outliers.
+static double SizeOfBody(const qcTriangleBvh* bvh, const qcBody* body)
+{
+    const double* extent = bvh->fit.latticeExtent;
+    return bvh->fit.lattice.hasOutliers ? fmax(extent[0], fmax(extent[1], extent[2]))
+                                        : qcBounds_Widest(body->lower, body->upper);
+}
+
 /// 0 if the triangles of a are several times as large as those of b, 1 if those of b are, else -1. An estimate, for
 /// bodies as wide as long.
-static int FindLargeBody(const qcBody* a, const qcBody* b)
+static int FindLargeBody(const qcBvhOfBody* a, const qcBvhOfBody* b)
 {
-    double sizeA = qcBounds_Widest(a->lower, a->upper), sizeB = qcBounds_Widest(b->lower, b->upper);
+    double sizeA = SizeOfBody(a->bvh, a->body), sizeB = SizeOfBody(b->bvh, b->body);
     // Squares of sizes, times both counts of triangles.
-    double squareA = sizeA * sizeA * b->triangleCount, squareB = sizeB * sizeB * a->triangleCount;
+    double squareA = sizeA * sizeA * b->body->triangleCount, squareB = sizeB * sizeB * a->body->triangleCount;
     const double ratio = qc_largeSize * qc_largeSize;
     return squareA > ratio * squareB ? 0 : squareB > ratio * squareA ? 1 : -1;
 }
 
 /// True if the levels of a lattice around one body are smaller than the other's triangles.
-static bool IsLatticeFine(const qcBody* body, const qcBody* other)
+static bool IsLatticeFine(const qcBvhOfBody* body, const qcBvhOfBody* other)
 {
-    double triangle = qcBounds_Widest(other->lower, other->upper) / sqrt((double)other->triangleCount);
-    return qcBounds_Widest(body->lower, body->upper) < qc_lastLevel * triangle;
+    double triangle = SizeOfBody(other->bvh, other->body) / sqrt((double)other->body->triangleCount);
+    return SizeOfBody(body->bvh, body->body) < qc_lastLevel * triangle;
 }
 
 bool qcBvhPairs_AreInOrder(const qcBodyBvh* a, const qcBody* bodyA, const qcBodyBvh* b, const qcBody* bodyB)
 {
     if (a->bvh.fit.isLocal != b->bvh.fit.isLocal)
         return !a->bvh.fit.isLocal;
-    int large = FindLargeBody(bodyA, bodyB);
+    const qcBvhOfBody ofA = {&a->bvh, bodyA}, ofB = {&b->bvh, bodyB};
+    int large = FindLargeBody(&ofA, &ofB);
     if (large < 0)
         return true;
-    bool isFirst = !a->bvh.fit.isLocal || (large == 0 ? IsLatticeFine(bodyA, bodyB) : IsLatticeFine(bodyB, bodyA));
+    bool isFirst = !a->bvh.fit.isLocal || (large == 0 ? IsLatticeFine(&ofA, &ofB) : IsLatticeFine(&ofB, &ofA));
     return isFirst == (large == 0);
 }
 
 /// Finds the BVH with large triangles, if there is one. For those of b the lattice of b has to be known.
 static void FindLarge(qcBvhSearch* s)
 {
-    int large = FindLargeBody(s->job->bodyA, s->job->bodyB);
+    const qcBvhOfBody a = {s->a, s->job->bodyA}, b = {s->b, s->job->bodyB};
+    int large = FindLargeBody(&a, &b);
     if (large < 0 || (large == 1 && !s->b->fit.isLocal))
         return;
     s->large = large;
     s->hasLarge = BvhOf(s, 1 - large)->clusters.nodeCount > 1 && !BvhOf(s, large)->fit.isOutline;
 }
 
-static qcRigidTransform TransformOf(const qcTriangleBvh* bvh, const qcBody* body)
+/// `isTo`: others are transformed to its coordinates.
+static qcRigidTransform TransformOf(const qcTriangleBvh* bvh, const qcBody* body, bool isTo)
 {
     qcRigidTransform t = {.transform = bvh->fit.isLocal ? body->transform : qcIdentityTransform()};
     memcpy(t.lower, bvh->fit.isLocal ? body->localLower : body->lower, sizeof t.lower);
     memcpy(t.upper, bvh->fit.isLocal ? body->localUpper : body->upper, sizeof t.upper);
+    // World coordinates aren't rounded, and errors of outliers are larger in proportion.
+    if (bvh->fit.lattice.hasOutliers && !(isTo && bvh->fit.isLocal))
+        qcBvhLattice_GetBox(&bvh->fit.lattice, t.lower, t.upper);
     return t;
 }
 
@@ -284,6 +299,7 @@ static void SetNear(qcDistanceThresholds* thresholds, double near, double growth
 qcDistanceThresholds qcTriangleBvh_Thresholds(const qcTriangleBvh* bvh, double query, double near)
 {
     qcDistanceThresholds thresholds = {.pointError = bvh->fit.pointError,
+                                       .hasOutliers = bvh->fit.lattice.hasOutliers,
                                        .query = qcTriangleBvh_DistanceInFrame(bvh, query)};
     // For bodies in the world: in their frames lengths are those of the world, scaled.
     SetNear(&thresholds, near * bvh->fit.lattice.unit[0], 1.0, 1.0);
@@ -291,9 +307,11 @@ qcDistanceThresholds qcTriangleBvh_Thresholds(const qcTriangleBvh* bvh, double q
 }
 
 /// From the lattice of a to that of b, for boxes.
-static void FindReverse(qcBvhSearch* s, const qcRigidTransform* transformA, const qcRigidTransform* transformB)
+static void FindReverse(qcBvhSearch* s)
 {
-    qcRelativeTransform r = qcRelativeTransform_Find(transformB, transformA);
+    qcRigidTransform transformA = TransformOf(s->a, s->job->bodyA, false),
+                     transformB = TransformOf(s->b, s->job->bodyB, true);
+    qcRelativeTransform r = qcRelativeTransform_Find(&transformB, &transformA);
     qcTransformedBvh transformed;
     qcDistanceThresholds unused = {.pointError = 0.0f};
     const qcLatticeMap map = {.to = &s->b->fit.lattice,
@@ -311,7 +329,8 @@ static void FindReverse(qcBvhSearch* s, const qcRigidTransform* transformA, cons
 
 static void FindTransforms(qcBvhSearch* s)
 {
-    qcRigidTransform transformA = TransformOf(s->a, s->job->bodyA), transformB = TransformOf(s->b, s->job->bodyB);
+    qcRigidTransform transformA = TransformOf(s->a, s->job->bodyA, true),
+                     transformB = TransformOf(s->b, s->job->bodyB, false);
     qcRelativeTransform r = qcRelativeTransform_Find(&transformA, &transformB);
     bool isLocal = s->a->fit.isLocal || s->b->fit.isLocal;
     const qcLatticeMap map = {.to = &s->a->fit.lattice,
@@ -331,7 +350,7 @@ static void FindTransforms(qcBvhSearch* s)
     // Pairs of single leaf nodes are compared in less time.
     s->isTurned = s->b->fit.isLocal && (s->a->clusters.nodeCount > 1 || s->b->clusters.nodeCount > 1);
     if (s->isTurned)
-        FindReverse(s, &transformA, &transformB);
+        FindReverse(s);
     s->transformed.boxes = qcTriangleBvh_Boxes(s->b, &s->b->fit);
     s->transformed.triangles = s->sides[1];
 }

@@ -3,14 +3,24 @@
 
 #include "base/four_floats.h"
 #include "base/status.h"
+#include "mesh/triangle_sample.h"
 #include "scene/float_positions.h"
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 bool qcBvhRegion_Begin(qcBvhRegion* region, const qcBody* body)
 {
     *region = (qcBvhRegion){.revision = body->moved};
+    double lower[3], upper[3];
+    memcpy(lower, body->lower, sizeof lower);
+    memcpy(upper, body->upper, sizeof upper);
+    qcTriangleSample sample;
+    qcTriangleSample_Take(&sample, body->indices, body->triangleCount, body->world);
+    // With outliers nearly all triangles lie in one cell.
+    if (qcTriangleSample_Trim(&sample, lower, upper))
+        return false;
     if (!qcRegionCells_Begin(&region->cells, body->lower, body->upper))
         return false;
     for (int axis = 0; axis < 3; axis++)

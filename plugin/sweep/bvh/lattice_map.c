@@ -55,6 +55,8 @@ bool qcLatticeMap_Find(const qcLatticeMap* map)
 {
     bool isExact = true;
     map->transformed->levels.isDiagonal = map->transformed->points.isDiagonal = !map->rounds;
+    map->transformed->levels.hasOutliers = map->transformed->points.hasOutliers = map->from->hasOutliers;
+    map->thresholds->hasOutliers |= map->from->hasOutliers;
     for (int i = 0; i < 3; i++)
         isExact = FindTransformRow(map, i) && isExact;
     return isExact;

@@ -2,6 +2,7 @@
 #include "sweep/bvh/motion_bvhs.h"
 
 #include "base/aabb.h"
+#include "sweep/bvh/bvh_lattice.h"
 #include "sweep/bvh/lattice_map.h"
 
 #include <math.h>
@@ -30,12 +31,35 @@ static MotionEnd EndOf(const qcBvhOfBody* of, int t)
                        body->start.upper};
 }
 
-/// A lattice with world axes around the box of a body.
+/// The box in the world around a body, or around its lattice if that has outliers.
+static void GetWorldBox(const MotionEnd* end, double lower[3], double upper[3])
+{
+    memcpy(lower, end->lower, 3 * sizeof(double));
+    memcpy(upper, end->upper, 3 * sizeof(double));
+    if (!end->fit->lattice.hasOutliers)
+        return;
+    const double* extent = end->fit->latticeExtent;
+    double centre[3], at[3];
+    for (int axis = 0; axis < 3; axis++)
+        centre[axis] = end->fit->lattice.origin[axis] + 0.5 * extent[axis];
+    qcTransform_Apply(end->transform, false, centre, at);
+    for (int axis = 0; axis < 3; axis++)
+    {
+        const double* row = end->transform->linear + 3 * axis;
+        double half = 0.5 * (fabs(row[0]) * extent[0] + fabs(row[1]) * extent[1] + fabs(row[2]) * extent[2]);
+        lower[axis] = at[axis] - half;
+        upper[axis] = at[axis] + half;
+    }
+}
+
+/// A lattice with world axes around a body with a local fit.
 static qcLatticeTransform LatticeAround(const MotionEnd* end)
 {
-    qcLatticeTransform lattice = {.origin = {0.0}};
-    double widest = qcBounds_Widest(end->lower, end->upper);
-    memcpy(lattice.origin, end->lower, 3 * sizeof(double));
+    qcLatticeTransform lattice = {.hasOutliers = end->fit->lattice.hasOutliers};
+    double lower[3], upper[3];
+    GetWorldBox(end, lower, upper);
+    double widest = qcBounds_Widest(lower, upper);
+    memcpy(lattice.origin, lower, sizeof lower);
     int exponent = 0;
     if (widest > 0.0 && isfinite(widest))
         frexp(widest, &exponent);
@@ -57,6 +81,13 @@ static bool MapEnd(const MotionEnd* end, const qcLatticeTransform* reference, qc
     memcpy(own.lower, end->fit->isLocal ? end->body->localLower : end->lower, sizeof own.lower);
     memcpy(own.upper, end->fit->isLocal ? end->body->localUpper : end->upper, sizeof own.upper);
     own.transform = end->fit->isLocal ? *end->transform : world.transform;
+    // World coordinates aren't rounded, and errors of outliers are larger in proportion.
+    if (end->fit->lattice.hasOutliers)
+    {
+        memset(world.lower, 0, sizeof world.lower);
+        memset(world.upper, 0, sizeof world.upper);
+        qcBvhLattice_GetBox(&end->fit->lattice, own.lower, own.upper);
+    }
     qcRelativeTransform relative = qcRelativeTransform_Find(&world, &own);
     const qcLatticeMap map = {.to = reference,
                               .from = &end->fit->lattice,
@@ -75,6 +106,7 @@ static bool FindEnd(const qcBvhOfBody bvhs[2], bool isOne, int t, qcMotionBvh mo
     MotionEnd first = EndOf(&bvhs[0], t);
     qcLatticeTransform reference = first.fit->isLocal ? LatticeAround(&first) : first.fit->lattice;
     float pointError = first.fit->pointError;
+    bool hasOutliers = EndOf(&bvhs[0], t).fit->lattice.hasOutliers || EndOf(&bvhs[1], t).fit->lattice.hasOutliers;
     bool isExact = true;
     for (int side = 0; side < 2; side++)
     {
@@ -89,7 +121,10 @@ static bool FindEnd(const qcBvhOfBody bvhs[2], bool isOne, int t, qcMotionBvh mo
         pointError = fmaxf(pointError, motion->frames[t].pointError);
     }
     for (int side = 0; side < 2; side++)
+    {
         motions[side].frames[t].pointError = pointError;
+        motions[side].frames[t].hasOutliers = hasOutliers;
+    }
     return isExact;
 }
 

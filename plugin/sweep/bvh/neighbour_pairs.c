@@ -4,6 +4,7 @@
 
 #include "base/parallel_for.h"
 #include "base/status.h"
+#include "sweep/bvh/bvh_lattice.h"
 
 #include <string.h>
 
@@ -26,6 +27,21 @@ typedef struct Search
     qcDistanceThresholds thresholds;
 } Search;
 
+static bool IsOutlier(const Search* s, uint32_t slot)
+{
+    return s->bvh->fit.lattice.hasOutliers && qcBvhFit_IsOutlier(&s->bvh->fit, &s->triangles.corners[slot]);
+}
+
+/// True if errors of points around a vertex may be larger than the kernels allow for.
+static bool HasOutliers(const Search* s, uint32_t vertex)
+{
+    const uint32_t *first = s->fans->around.first.data, *slots = s->fans->around.triangles.data;
+    bool has = false;
+    for (uint32_t i = first[vertex]; s->bvh->fit.lattice.hasOutliers && i < first[vertex + 1]; i++)
+        has |= IsOutlier(s, slots[i]);
+    return has;
+}
+
 static void TestFans(void* context, size_t block, uint32_t worker)
 {
     (void)worker;
@@ -39,7 +55,7 @@ static void TestFans(void* context, size_t block, uint32_t worker)
         uint32_t separated =
             s->job->kernels->findSeparatedFans(s->triangles.points, vertices, batch->valence, &s->thresholds);
         for (uint32_t lane = 0; lane < batch->count; lane++)
-            s->isSeparated[vertices[lane]] = separated >> lane & 1u;
+            s->isSeparated[vertices[lane]] = (separated >> lane & 1u) != 0 && !HasOutliers(s, vertices[lane]);
     }
 }
 
@@ -83,7 +99,13 @@ static void FindPairsAtVertices(void* context, size_t block, uint32_t worker)
             {
                 if (!IsListedAt(s, v, slots[i], slots[k]))
                     continue;
-                pairs[count++] = (qcSlotPair){slots[i], slots[k]};
+                const qcSlotPair pair = {slots[i], slots[k]};
+                if (IsOutlier(s, pair.a) || IsOutlier(s, pair.b))
+                {
+                    s->job->function(s->job->context, &pair, 1, worker);
+                    continue;
+                }
+                pairs[count++] = pair;
                 if (count < qc_maxPairs)
                     continue;
                 ReportPairs(s, pairs, count, worker);

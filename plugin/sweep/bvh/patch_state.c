@@ -3,6 +3,7 @@
 
 #include "base/parallel_for.h"
 #include "base/status.h"
+#include "sweep/bvh/bvh_lattice.h"
 
 enum
 {
@@ -60,9 +61,23 @@ static qcPatchGeometry GeometryOf(const Testing* t, const qcFlatPatch* patch, co
                              .pointError = fit->pointError};
 }
 
+/// Errors of their points may be larger than the kernels allow for.
+static bool HasOutliers(const Testing* t, const qcFlatPatch* patch, const qcBvhFit* fit)
+{
+    bool has = false;
+    for (size_t i = 0; fit->lattice.hasOutliers && i < patch->slotCount; i++)
+    {
+        uint32_t slot = QC_AT(uint32_t, t->patches->slots, patch->firstSlot + i);
+        has |= qcBvhFit_IsOutlier(fit, &QC_AT(qcCorners, t->bvh->corners, slot));
+    }
+    return has;
+}
+
 static bool IsFlat(const Testing* t, const qcFlatPatch* patch)
 {
     const qcBvhFit* fit = &t->bvh->fit;
+    if (HasOutliers(t, patch, fit) || (t->startFit != NULL && HasOutliers(t, patch, t->startFit)))
+        return false;
     qcPatchGeometry geometry = GeometryOf(t, patch, fit);
     if (t->startFit == NULL)
     {

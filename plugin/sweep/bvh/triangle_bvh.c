@@ -7,6 +7,7 @@
 #include "base/rigid_transform.h"
 #include "base/status.h"
 #include "scene/float_positions.h"
+#include "sweep/bvh/bvh_lattice.h"
 
 #include <math.h>
 #include <string.h>
@@ -25,9 +26,7 @@ enum
     qc_outlineShare = 3,
     qc_wholeFits = 15,
     // From one measured fit to the next.
-    qc_measuredFits = 16,
-    // Beyond these a power of two, or its inverse, or a product with one, may leave the range of double.
-    qc_maxExponent = 960
+    qc_measuredFits = 16
 };
 
 //  ---- topology ------------------------------------------------------------------------------------
@@ -60,6 +59,9 @@ static qcStatus LayBoxes(qcTriangleBvh* bvh, const qcBody* body)
     bvh->vertexCount = (uint32_t)bvh->vertexOf.count;
     LayLevels(bvh);
     QC_TRY(AllocateFit(bvh, &bvh->fit));
+    const qcVertexSource source = {.doubles = body->deforming ? body->world : body->local,
+                                   .vertexOf = bvh->vertexOf.data};
+    bvh->triangleSize = qcBvhLattice_TriangleSize(bvh, &source);
     bvh->generation = body->generation;
     return qc_statusOk;
 }
@@ -132,36 +134,6 @@ qcStatus qcTriangleBvh_KeepRegion(qcTriangleBvh* bvh, const qcBody* body, const 
 }
 
 //  ---- fit -----------------------------------------------------------------------------------------
-
-/// False: the box is too large for a lattice.
-static bool ChooseLattice(qcLatticeTransform* lattice, const double lower[3], const double upper[3], double margin,
-                          double extent[3])
-{
-    double widest = 0.0;
-    *lattice = (qcLatticeTransform){.origin = {0.0}};
-    for (int axis = 0; axis < 3; axis++)
-    {
-        lattice->origin[axis] = lower[axis] - margin;
-        lattice->margin[axis] = margin;
-        // In the order of the kernels, so that it rounds like them.
-        extent[axis] = upper[axis] + margin + margin - lattice->origin[axis];
-        widest = fmax(widest, extent[axis]);
-    }
-    int exponent = 0;
-    if (widest > 0.0)
-        frexp(widest, &exponent);
-    if (!isfinite(widest) || exponent > qc_maxExponent)
-        return false;
-    exponent = exponent < -qc_maxExponent ? -qc_maxExponent : exponent;
-    for (int axis = 0; axis < 3; axis++)
-    {
-        lattice->unit[axis] = ldexp(1.0, -exponent);
-        // Along the thin axis of a flat body levels are no finer than the precision of coordinates.
-        double levels = qc_lastLevel * (1.0 - 0x1p-50) / fmax(extent[axis], widest * 0x1p-30);
-        lattice->scale[axis] = widest > 0.0 ? fmin(levels, 0x1p1000) : 1.0;
-    }
-    return true;
-}
 
 typedef struct Fitting
 {
@@ -456,12 +428,12 @@ static qcStatus FitPose(qcTriangleBvh* bvh, qcBvhFit* fit, const qcBody* body, c
     fit->isLocal = isLocal;
     fit->isOutline = means->isOutline;
     margin = isLocal ? 0.0 : margin;
-    *fits = ChooseLattice(&fit->lattice, isLocal ? body->localLower : pose->lower,
-                          isLocal ? body->localUpper : pose->upper, margin, fit->latticeExtent);
-    if (!*fits)
-        return qc_statusOk;
     qcVertexSource source;
     QC_TRY(GetSource(bvh, body, pose, isLocal, means->scratch, &source));
+    *fits = qcBvhLattice_Choose(bvh, &source, isLocal ? body->localLower : pose->lower,
+                                isLocal ? body->localUpper : pose->upper, margin, fit);
+    if (!*fits)
+        return qc_statusOk;
     QC_TRY(ReserveRows(bvh, means->scratch));
     if (means->isOutline)
         QC_TRY(BeginOutline(bvh, fit));

@@ -30,8 +30,9 @@ typedef struct qcBvhFit
     uint64_t revision;    ///< qcBody::moved of the positions
     double margin;
     qcLatticeTransform lattice;
-    double latticeExtent[3]; ///< max of x + margin - origin
-    float pointError;        ///< max error of a coordinate of points
+    double latticeExtent[3]; ///< max of x + margin - origin, without outliers
+    bool isCoarse;           ///< many triangles are small beside the levels, or there are outliers
+    float pointError;        ///< max error of a coordinate of points; times its absolute value where that is above 1
 } qcBvhFit;
 
 /// The sum of the extents of boxes, at the first and the last fit that was measured.
@@ -56,6 +57,7 @@ typedef struct qcTriangleBvh
     qcNodeVertices nodeVertices; ///< listed by the first outline
     qcBvhRegion* region;         ///< triangles outside are not in the BVH. Null: all triangles are
     bool leavesRegion;           ///< the BVH needs all triangles
+    double triangleSize;         ///< the median at the build. 0: unknown
 
     uint64_t fitCount;         ///< fits and partial refits so far
     qcBvhExtent clusterExtent; ///< of the boxes of all clusters, at whole fits in the world
@@ -89,7 +91,7 @@ qcStatus qcTriangleBvh_Complete(qcTriangleBvh* bvh, const qcBody* body, const qc
 
 /// Fits boxes and points to the body's current positions; does nothing if they are up to date. Each box is enlarged by
 /// the margin at its upper end. A rigid body without self-collision is fitted once, in local coordinates, unless its
-/// transform nearly flattens it. `fits` is false if no lattice can hold the body (too large for doubles). O(triangles).
+/// transform nearly flattens it. `fits` is false if no lattice suits the body (too large for doubles). O(triangles).
 qcStatus qcTriangleBvh_Fit(qcTriangleBvh* bvh, const qcBody* body, double margin, const qcTriangleKernels* kernels,
                            uint32_t threads, qcBvhScratch* scratch, bool* fits);
 
