@@ -150,19 +150,6 @@ static inline void qcBody_GetStartTriangle(const qcBody* body, uint32_t triangle
         qcBody_GetStartVertex(body, index[c], corners[c]);
 }
 
-static inline void qcBody_GetTriangleBox(const qcBody* body, uint32_t triangle, double lower[3], double upper[3])
-{
-    double corners[3][3];
-    qcBody_GetTriangle(body, triangle, corners);
-    for (int axis = 0; axis < 3; axis++)
-    {
-        double x = corners[0][axis], y = corners[1][axis], z = corners[2][axis];
-        double low = x < y ? x : y, high = x < y ? y : x;
-        lower[axis] = z < low ? z : low;
-        upper[axis] = z > high ? z : high;
-    }
-}
-
 /// Whether the triangles share a vertex index.
 static inline bool qcBody_AreNeighbours(const qcBody* body, uint32_t a, uint32_t b)
 {

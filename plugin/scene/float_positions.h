@@ -38,6 +38,20 @@ static inline void qcBody_GetNewestTriangle(const qcBody* body, uint32_t triangl
         qcBody_GetNewestVertex(body, index[c], corners[c]);
 }
 
+/// The box in the world around a triangle.
+static inline void qcBody_GetTriangleBox(const qcBody* body, uint32_t triangle, double lower[3], double upper[3])
+{
+    double corners[3][3];
+    qcBody_GetNewestTriangle(body, triangle, corners);
+    for (int axis = 0; axis < 3; axis++)
+    {
+        double x = corners[0][axis], y = corners[1][axis], z = corners[2][axis];
+        double low = x < y ? x : y, high = x < y ? y : x;
+        lower[axis] = z < low ? z : low;
+        upper[axis] = z > high ? z : high;
+    }
+}
+
 /// Fetches the positions that qcBody_GetNewestTriangle reads into the caches.
 static inline void qcBody_FetchNewestTriangle(const qcBody* body, uint32_t triangle)
 {

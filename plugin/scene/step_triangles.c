@@ -3,6 +3,7 @@
 
 #include "base/related_pair.h"
 #include "base/status.h"
+#include "scene/float_positions.h"
 
 #include <string.h>
 

@@ -23,6 +23,8 @@ typedef struct PairSides
     const uint32_t* triangles[2]; ///< by slot: index in the body
     uint32_t first[2];            ///< global index of the body's first triangle
     uint32_t verletSlot;          ///< slot of the body whose pairs go to the Verlet list, or UINT32_MAX
+    uint32_t bodies[2];           ///< as in qcStepTriangles
+    bool isCoarse;                ///< qcBvhFit::isCoarse of one of the BVHs
 } PairSides;
 
 double qcBvhCandidates_DistanceWithin(const qcBvhCandidatesJob* job, double margins)
@@ -44,13 +46,45 @@ static void KeysOf(const void* context, const qcSlotPair* pairs, size_t count, u
         keys[i] = qcStepTriangles_Key(sides->first[0] + a[pairs[i].a], sides->first[1] + b[pairs[i].b]);
 }
 
+/// True if the boxes of the triangles in double are farther apart than the query distance.
+static bool AreApart(const PairSides* sides, qcSlotPair pair, double query)
+{
+    const qcStepTriangles* t = sides->run->job->triangles;
+    double lower[2][3], upper[2][3];
+    qcStepTriangles_GetTriangleBox(t, sides->bodies[0], sides->triangles[0][pair.a], lower[0], upper[0]);
+    qcStepTriangles_GetTriangleBox(t, sides->bodies[1], sides->triangles[1][pair.b], lower[1], upper[1]);
+    bool apart = false;
+    for (int axis = 0; axis < 3; axis++)
+        apart |= lower[0][axis] > upper[1][axis] + query || lower[1][axis] > upper[0][axis] + query;
+    return apart;
+}
+
+/// Drops undecided pairs that boxes of a coarse BVH could not tell apart: of some thousand triangles in one level these
+/// would be millions.
+static void DropApart(const PairSides* sides, qcClassifiedPairs* found)
+{
+    const qcStepTriangles* t = sides->run->job->triangles;
+    double query = qcBvhCandidates_PairDistance(sides->run->job, qcStepTriangles_Body(t, sides->bodies[0]),
+                                                qcStepTriangles_Body(t, sides->bodies[1]));
+    size_t kept = found->nearCount + found->separateCount + found->intersectingCount;
+    for (size_t i = kept; i < found->count; i++)
+    {
+        found->pairs[kept] = found->pairs[i];
+        kept += !AreApart(sides, found->pairs[i], query);
+    }
+    found->count = kept;
+}
+
 static bool AddKeys(void* context, const qcClassifiedPairs* found, uint32_t worker)
 {
     const PairSides* sides = context;
     const Run* run = sides->run;
+    qcClassifiedPairs kept = *found;
+    if (sides->isCoarse)
+        DropApart(sides, &kept);
     if (sides->verletSlot != UINT32_MAX)
-        qcVerletList_Add(&run->sweep->verletList, sides->verletSlot, found, worker);
-    return qcPairBuffer_Add(&QC_AT(qcPairBuffer, run->sweep->buffers, worker), found, run->job->listNeighbours, KeysOf,
+        qcVerletList_Add(&run->sweep->verletList, sides->verletSlot, &kept, worker);
+    return qcPairBuffer_Add(&QC_AT(qcPairBuffer, run->sweep->buffers, worker), &kept, run->job->listNeighbours, KeysOf,
                             sides);
 }
 
@@ -94,6 +128,8 @@ static PairSides MakeSides(const Run* run, uint32_t a, uint32_t b)
     {
         sides.first[i] = qcStepTriangles_First(run->job->triangles, bodies[i]);
         sides.triangles[i] = BvhOf(run, bodies[i])->bvh.clusters.triangles.data;
+        sides.bodies[i] = bodies[i];
+        sides.isCoarse |= BvhOf(run, bodies[i])->bvh.fit.isCoarse;
     }
     return sides;
 }

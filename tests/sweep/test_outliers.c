@@ -586,8 +586,34 @@ START_TEST(huge_triangles_among_small_ones_add_no_more_candidates_than_they_have
 }
 END_TEST
 
+START_TEST(two_halves_far_apart_have_no_more_candidates_than_boxes_that_overlap)
+{
+    // No lattice suits both halves: triangles of one of them share a level.
+    qcSoup cloth = MakeHills();
+    for (size_t v = 0; v < cloth.vertexCount; v++)
+        cloth.positions[3 * v] += cloth.positions[3 * v] > 0.51 ? 1e7 : 0.0;
+    qcScene* scene = qcMakeScene(NULL);
+    (void)qcAddDeformingSoup(scene, &cloth);
+    qcDetectDef def = qcDefaultDetectDef();
+    for (int motion = 0; motion < 2; motion++)
+    {
+        const qcResult* result;
+        def.motion = motion != 0;
+        CHECK_OK(qcScene_MarkStart(scene));
+        def.method = qc_methodBrute;
+        CHECK_OK(qcScene_Detect(scene, &def, &result));
+        uint64_t brute = result->profile.candidates;
+        for (int step = 0; step < 3; step++)
+            ck_assert_uint_le(CountCandidates(scene, def.motion), brute);
+    }
+    qcScene_Destroy(scene);
+    qcSoup_Free(&cloth);
+}
+END_TEST
+
 QC_RUN_TESTS("outliers", bodies_with_outliers_have_the_pairs_and_contacts_of_brute_force,
              bodies_with_outliers_have_the_pairs_of_brute_force_over_a_motion,
              rounding_in_the_world_moves_huge_triangles, patches_with_outliers_are_not_taken_for_flat,
              a_far_vertex_adds_no_more_candidates_than_its_triangles_have,
-             huge_triangles_among_small_ones_add_no_more_candidates_than_they_have)
+             huge_triangles_among_small_ones_add_no_more_candidates_than_they_have,
+             two_halves_far_apart_have_no_more_candidates_than_boxes_that_overlap)

@@ -3,6 +3,7 @@
 #include "base/rigid_transform.h"
 
 #include "base/status.h"
+#include "scene/float_positions.h"
 #include "support/suite.h"
 #include "sweep/sample_bodies.h"
 #include "support/transforms.h"

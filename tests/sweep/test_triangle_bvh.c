@@ -1,5 +1,6 @@
 // Boxes on the lattice agree with exact coordinates: two boxes within the margin overlap, on each level, at any scale
 // and anywhere; and few others do.
+#include "scene/float_positions.h"
 #include "support/failing_heap.h"
 #include "support/suite.h"
 #include "sweep/bvh/body_bvh.h"
