@@ -2,8 +2,9 @@
 /// A set of moving boxes: overlapping pairs, box queries, rays, swept boxes. The core of a broadphase.
 ///
 /// Cost follows what moved: a move is O(log n) amortised, finding pairs O(moved * log n + found). That holds at any
-/// distance from zero while most boxes lie within a million times their edges of each other; beyond, boxes are culled in
-/// coarse floats first, and up to all pairs may be compared. Results are exact in any case.
+/// distance from zero while most boxes lie within a million times their edges of each other; beyond, boxes are culled
+/// in coarse floats first, and up to all pairs may be compared. Results are exact in any case.
+///
 /// Thread-safety: functions that take a const set may run on several threads at once while no other function runs.
 #ifndef QUICKCULLIDE_BOXES_H
 #define QUICKCULLIDE_BOXES_H

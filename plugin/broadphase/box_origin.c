@@ -24,46 +24,42 @@ static bool IsCoarse(const qcBoxOrigin* origin, const qcBounds* bounds)
     return qcFloatBox_IsCoarse(&box, bounds->lower, bounds->upper);
 }
 
-static uint32_t CountCoarse(const qcBoxOrigin* origin, const qcBounds* sample, uint32_t count)
+/// The median of centres in one axis.
+static double MedianCenter(const qcBounds* boxes, uint32_t count, int k)
 {
-    uint32_t coarse = 0;
-    for (uint32_t i = 0; i < count; i++)
-        coarse += IsCoarse(origin, &sample[i]);
-    return coarse;
-}
-
-/// The median centre of coarse boxes in one axis.
-static double MedianCenter(const qcBoxOrigin* origin, const qcBounds* sample, uint32_t count, int k)
-{
-    double centers[qc_originSample];
-    uint32_t coarse = 0;
+    double centers[qc_originSample] = {0.0};
     for (uint32_t i = 0; i < count; i++)
     {
-        if (!IsCoarse(origin, &sample[i]))
-            continue;
-        double center = 0.5 * sample[i].lower[k] + 0.5 * sample[i].upper[k];
-        uint32_t at = coarse++;
+        double center = 0.5 * boxes[i].lower[k] + 0.5 * boxes[i].upper[k];
+        uint32_t at = i;
         for (; at > 0 && centers[at - 1] > center; at--)
             centers[at] = centers[at - 1];
         centers[at] = center;
     }
-    return centers[coarse / 2];
+    return centers[count / 2];
 }
 
 bool qcBoxOrigin_Choose(qcBoxOrigin* origin, const qcBounds* sample, uint32_t count)
 {
-    uint32_t coarse = CountCoarse(origin, sample, count);
-    if (coarse == 0 || 2 * coarse < count)
+    qcBounds coarse[qc_originSample];
+    uint32_t coarseCount = 0;
+    for (uint32_t i = 0; i < count; i++)
+        if (IsCoarse(origin, &sample[i]))
+            coarse[coarseCount++] = sample[i];
+    if (coarseCount == 0 || 2 * coarseCount < count)
         return false;
     qcBoxOrigin next = {.isSet = true};
     for (int k = 0; k < 3; k++)
     {
-        next.at[k] = MedianCenter(origin, sample, count, k);
+        next.at[k] = MedianCenter(coarse, coarseCount, k);
         // Less than half the spacing of the largest doubles: no difference of finite numbers overflows.
         if (!(fabs(next.at[k]) <= 0x1p960))
             return false;
     }
-    if (4 * CountCoarse(&next, sample, count) > coarse)
+    uint32_t left = 0;
+    for (uint32_t i = 0; i < count; i++)
+        left += IsCoarse(&next, &sample[i]);
+    if (4 * left > coarseCount)
         return false;
     *origin = next;
     return true;

@@ -50,8 +50,8 @@ static inline bool qcFloatBox_IsCoarse(const qcFloatBox* box, const double lower
     return (edges < INFINITY) & (floatEdges > 1.5 * edges);
 }
 
-/// Moves the origin to the median of coarse boxes, if they are half of the sample or more, and if at most a quarter of
-/// them are coarse there. Returns whether it moved. At most qc_originSample bounds.
+/// Moves the origin to the median of coarse boxes, if they are half of the sample or more, and if at most a quarter as
+/// many are coarse there. Returns whether it moved. At most qc_originSample bounds.
 bool qcBoxOrigin_Choose(qcBoxOrigin* origin, const qcBounds* sample, uint32_t count);
 
 #endif
