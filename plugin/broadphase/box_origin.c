@@ -1,6 +1,8 @@
 // Boxes of floats relative to an origin, and the choice of the origin from a sample of boxes.
 #include "broadphase/box_origin.h"
 
+#include "base/sort_numbers.h"
+
 #include <math.h>
 
 void qcBoxOrigin_EncloseFrom(const qcBoxOrigin* origin, qcFloatBox* box, const double lower[3], const double upper[3])
@@ -29,13 +31,8 @@ static double MedianCenter(const qcBounds* boxes, uint32_t count, int k)
 {
     double centers[qc_originSample] = {0.0};
     for (uint32_t i = 0; i < count; i++)
-    {
-        double center = 0.5 * boxes[i].lower[k] + 0.5 * boxes[i].upper[k];
-        uint32_t at = i;
-        for (; at > 0 && centers[at - 1] > center; at--)
-            centers[at] = centers[at - 1];
-        centers[at] = center;
-    }
+        centers[i] = 0.5 * boxes[i].lower[k] + 0.5 * boxes[i].upper[k];
+    qcSortNumbers(centers, count);
     return centers[count / 2];
 }
 

@@ -1,4 +1,7 @@
+// Outliers are found by quartiles of the sample.
 #include "mesh/triangle_sample.h"
+
+#include "base/sort_numbers.h"
 
 #include <string.h>
 
@@ -31,19 +34,6 @@ void qcTriangleSample_Take(qcTriangleSample* sample, const uint32_t* indices, ui
     }
 }
 
-/// Insertion sort.
-static void Sort(double* numbers, uint32_t count)
-{
-    for (uint32_t i = 1; i < count; i++)
-    {
-        double number = numbers[i];
-        uint32_t at = i;
-        for (; at > 0 && numbers[at - 1] > number; at--)
-            numbers[at] = numbers[at - 1];
-        numbers[at] = number;
-    }
-}
-
 static double LongestSide(const double corner[3][3])
 {
     double longest = 0.0;
@@ -63,7 +53,7 @@ double qcTriangleSample_MedianSize(const qcTriangleSample* sample)
     double sizes[qc_maxSampled];
     for (uint32_t i = 0; i < sample->count; i++)
         sizes[i] = LongestSide(sample->corners[i]);
-    Sort(sizes, sample->count);
+    qcSortNumbers(sizes, sample->count);
     return sample->count != 0 ? sizes[sample->count / 2] : 0.0;
 }
 
@@ -77,7 +67,7 @@ bool qcTriangleSample_Trim(const qcTriangleSample* sample, double lower[3], doub
     {
         for (uint32_t i = 0; i < sample->count; i++)
             numbers[i] = sample->corners[i][0][axis];
-        Sort(numbers, sample->count);
+        qcSortNumbers(numbers, sample->count);
         low[axis] = numbers[trimmed];
         high[axis] = numbers[sample->count - 1 - trimmed];
     }

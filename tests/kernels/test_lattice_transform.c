@@ -234,6 +234,18 @@ static void FindRange(const ExactTransform* map, const Other* other, size_t tria
     }
 }
 
+/// Room for the rounding of points.
+static void SetGrow(const ExactTransform* map, qcBoxTransform* points)
+{
+    for (int axis = 0; axis < 3; axis++)
+    {
+        long double sizes = fabsl(map->shift[axis]);
+        for (int j = 0; j < 3; j++)
+            sizes += fabsl(map->linear[axis][j]);
+        points->grow[axis] = (float)(0x1p-20L * sizes + 0x1p-4L);
+    }
+}
+
 START_TEST(the_box_of_a_transformed_triangle_contains_its_corners_and_is_little_larger)
 {
     static Other other;
@@ -247,13 +259,7 @@ START_TEST(the_box_of_a_transformed_triangle_contains_its_corners_and_is_little_
             round % 2 == 0 ? MakePointTransform(&random, 1.0, 9.0) : MakePointTransform(&random, 1000.0, 300000.0);
         // ToBoxTransform allows for levels; points are smaller.
         other.transformed.points = ToBoxTransform(&map);
-        for (int axis = 0; axis < 3; axis++)
-        {
-            long double sizes = fabsl(map.shift[axis]);
-            for (int j = 0; j < 3; j++)
-                sizes += fabsl(map.linear[axis][j]);
-            other.transformed.points.grow[axis] = (float)(0x1p-20L * sizes + 0x1p-4L);
-        }
+        SetGrow(&map, &other.transformed.points);
         uint32_t cluster = qcRandom_Below(&random, qc_clustersInTest);
         qcBox8 transformed;
         k->transformTriangles(&other.transformed, cluster, &transformed);
@@ -294,13 +300,7 @@ START_TEST(the_box_of_a_transformed_outlier_contains_its_corners)
         ExactTransform map = MakePointTransform(&random, 1000.0, 300000.0);
         other.transformed.points = ToBoxTransform(&map);
         other.transformed.points.hasOutliers = true;
-        for (int axis = 0; axis < 3; axis++)
-        {
-            long double sizes = fabsl(map.shift[axis]);
-            for (int j = 0; j < 3; j++)
-                sizes += fabsl(map.linear[axis][j]);
-            other.transformed.points.grow[axis] = (float)(0x1p-20L * sizes + 0x1p-4L);
-        }
+        SetGrow(&map, &other.transformed.points);
         uint32_t cluster = qcRandom_Below(&random, qc_clustersInTest);
         qcBox8 transformed;
         k->transformTriangles(&other.transformed, cluster, &transformed);

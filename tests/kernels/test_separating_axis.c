@@ -212,6 +212,18 @@ START_TEST(the_filter_keeps_pairs_that_meet_in_exact_coordinates)
 }
 END_TEST
 
+/// The query distance at which the triangles are found; 0 where they touch up to rounding: those are decided without a
+/// distance.
+static float QueryOf(double a[3][3], double b[3][3], double apart)
+{
+    if (apart == 0.0)
+        return 0.0f;
+    qcOracleDistance* distance = qcOracleDistance_Create((const double(*)[3])a, (const double(*)[3])b);
+    float query = qcRoundUp(qcOracleDistance_Get(distance));
+    qcOracleDistance_Destroy(distance);
+    return query;
+}
+
 START_TEST(the_filter_keeps_pairs_that_only_errors_of_points_separate)
 {
     // The errors of the two triangles are opposite.
@@ -222,13 +234,7 @@ START_TEST(the_filter_keeps_pairs_that_only_errors_of_points_separate)
         double a[3][3], b[3][3], n[3], error = ldexp(1.0, -4 - i % 21),
                                        apart = i % 3 == 0 ? 0.0 : ldexp(1.0, -i % 20 - 2);
         qcMakeOverEachOther(&random, i % 2 == 0, apart, a, b, n);
-        qcOracleDistance* distance = qcOracleDistance_Create((const double(*)[3])a, (const double(*)[3])b);
-        qcDistanceThresholds thresholds = {.pointError = (float)error,
-                                           .query = qcRoundUp(qcOracleDistance_Get(distance))};
-        qcOracleDistance_Destroy(distance);
-        // The first touch, up to rounding: they are decided without a distance.
-        if (apart == 0.0)
-            thresholds.query = 0.0f;
+        qcDistanceThresholds thresholds = {.pointError = (float)error, .query = QueryOf(a, b, apart)};
         qcMoveApart(a, b, n, (apart == 0.0 ? 0.9999 : 1.0) * error - 0x1p-24); // what rounding to float may add
         qcBatch_Push(&batch, a, b);
         FOR_EACH_KERNELS(k)
@@ -247,13 +253,8 @@ START_TEST(the_filter_keeps_pairs_of_outliers_that_only_errors_of_points_separat
         double a[3][3], b[3][3], n[3], error = ldexp(1.0, -4 - i % 7), away = ldexp(1.0, 1 + i % 10),
                                        apart = i % 3 == 0 ? 0.0 : ldexp(1.0, -i % 20 - 2);
         qcMakeOverEachOther(&random, i % 2 == 0, apart, a, b, n);
-        qcOracleDistance* distance = qcOracleDistance_Create((const double(*)[3])a, (const double(*)[3])b);
-        qcDistanceThresholds thresholds = {.pointError = (float)(error / away),
-                                           .hasOutliers = true,
-                                           .query = qcRoundUp(qcOracleDistance_Get(distance))};
-        qcOracleDistance_Destroy(distance);
-        if (apart == 0.0)
-            thresholds.query = 0.0f;
+        qcDistanceThresholds thresholds = {
+            .pointError = (float)(error / away), .hasOutliers = true, .query = QueryOf(a, b, apart)};
         qcMoveApart(a, b, n, (apart == 0.0 ? 0.9999 : 1.0) * error - away * 0x1p-24);
         int axis = i % 3;
         for (int c = 0; c < 3; c++)

@@ -49,11 +49,7 @@ bool qcElasticContacts::MakeKept(qcSoftBodyScene& scene, const qcSoftTangles& ta
     if (constraint.rigid == nullptr)
         return softs[0] != softs[1] && !tangles.Contains(softs[0]->id.slot, softs[1]->id.slot) &&
                !tangles.Contains(softs[1]->id.slot, softs[0]->id.slot);
-    const btTransform& now = constraint.rigid->object->getWorldTransform();
-    kept->rigid = qcObjectKey(constraint.rigid->object);
-    kept->point = constraint.point;
-    kept->localPoint = now.invXform(constraint.point);
-    kept->normal = now.getBasis().transpose() * constraint.normal;
+    kept->rigid = qcHeldPointOf(constraint);
     // Joints carry the load of guided bodies, and are solved elsewhere.
     return (!constraint.rigid->CanMove() || constraint.rigid->IsFree()) &&
            !tangles.AreTangled(*softs[0], *constraint.rigid);
@@ -75,15 +71,14 @@ void qcElasticContacts::Keep(qcSoftBodyScene& scene, const qcSoftTangles& tangle
 bool qcElasticContacts::AddRigidSide(const Kept& kept, qcPresentObjects* present, const qcSceneSoftBody& soft,
                                      btVector3* start, btVector3* end, qcElasticSpring* spring)
 {
-    if (!present->Contains(soft, kept.rigid))
+    if (!present->Contains(soft, kept.rigid.object))
         return false;
-    auto* object = const_cast<btCollisionObject*>(kept.rigid.object);
-    const btTransform& now = object->getWorldTransform();
-    const btVector3 point = now * kept.localPoint;
-    *start -= kept.point;
+    auto* object = const_cast<btCollisionObject*>(kept.rigid.object.object);
+    const btVector3 point = kept.rigid.Point();
+    *start -= kept.rigid.point;
     *end -= point;
-    spring->normal = now.getBasis() * kept.normal;
-    spring->arm = point - now.getOrigin();
+    spring->normal = kept.rigid.Normal();
+    spring->arm = point - object->getWorldTransform().getOrigin();
     btRigidBody* body = btRigidBody::upcast(object);
     if (body == nullptr || body->isStaticOrKinematicObject())
         return true;
@@ -98,7 +93,7 @@ bool qcElasticContacts::AddRigidSide(const Kept& kept, qcPresentObjects* present
 void qcElasticContacts::AddSpring(qcSoftBodyScene& scene, const Kept& kept, qcPresentObjects* present)
 {
     qcSceneSoftBody* softs[2] = {FindSoft(scene, kept.soft[0]), FindSoft(scene, kept.soft[1])};
-    const bool isRigid = kept.rigid.object != nullptr;
+    const bool isRigid = kept.rigid.object.object != nullptr;
     if (softs[0] == nullptr || !IsElastic(*softs[0]) ||
         (!isRigid &&
          (softs[1] == nullptr || !IsElastic(*softs[1]) || !qcHasResponse(scene, softs[0]->id.slot, softs[1]->id.slot))))

@@ -31,10 +31,8 @@ class qcElasticContacts
         int sides[6] = {0, 0, 0, 0, 0, 0};
         uint32_t nodes[6] = {0, 0, 0, 0, 0, 0};
         btScalar weights[6] = {0, 0, 0, 0, 0, 0}; ///< negative on side B
-        qcObjectKey rigid{nullptr, -1};
-        btVector3 point{0, 0, 0}; ///< on the rigid object
-        btVector3 localPoint{0, 0, 0};
-        btVector3 normal{0, 0, 0}; ///< towards side A; in the frame of the rigid object
+        qcHeldPoint rigid;                        ///< without an object: side B is a soft body
+        btVector3 normal{0, 0, 0};                ///< between soft bodies: towards side A
         btScalar thickness = 0, friction = 0;
     };
     /// A spring and the soft bodies on its sides.

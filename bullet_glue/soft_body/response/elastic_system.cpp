@@ -104,18 +104,21 @@ int qcElasticSystem::AddRigid(btRigidBody* body)
     return int(found - m_rigids.begin());
 }
 
-/// The nodes that the system moves, and the forces on them.
-void qcElasticSystem::FindNodes(const btDeformableBackwardEulerObjective& objective,
+/// The nodes that the system moves, and the forces on them. False: Bullet has numbered other nodes, as it does after
+/// one body was exchanged for another of as many nodes.
+bool qcElasticSystem::FindNodes(const btDeformableBackwardEulerObjective& objective,
                                 const std::vector<qcSceneSoftBody*>& bodies)
 {
     m_forces.clear();
     m_nodes.assign(size_t(objective.m_nodes.size()), nullptr);
     m_bodyOfNode.assign(m_nodes.size(), -1);
-    m_bodyInverses.assign(bodies.size(), Scaled(0));
+    m_bodyInverses.resize(bodies.size());
     for (size_t body = 0; body < bodies.size(); body++)
         for (int i = 0; i < bodies[body]->NodeCount(); i++)
         {
             btSoftBody::Node& node = bodies[body]->body->m_nodes[i];
+            if (size_t(node.index) >= m_nodes.size() || objective.m_nodes[node.index] != &node)
+                return false;
             if (!(bodies[body]->InverseMass(uint32_t(i)) > 0))
                 continue;
             m_nodes[size_t(node.index)] = &node;
@@ -129,6 +132,7 @@ void qcElasticSystem::FindNodes(const btDeformableBackwardEulerObjective& object
         if (force->getForceType() != BT_GRAVITY_FORCE && std::any_of(bodies.begin(), bodies.end(), isOf))
             m_forces.push_back(force);
     }
+    return true;
 }
 
 /// Finds m_inertia from the images of displacements of nodes of which no two are neighbours.
@@ -231,14 +235,14 @@ void qcElasticSystem::Multiply(const Vector& x, Vector* result) const
 void qcElasticSystem::FindBlocks()
 {
     m_inverses.assign(size_t(m_x.size()), Scaled(0));
+    m_bodyInverses.assign(m_bodyInverses.size(), Scaled(0));
     for (size_t i = 0; i < m_nodes.size(); i++)
-        if (m_nodes[i] != nullptr)
-            m_inverses[i] = Scaled(m_inertia[i]);
-    for (btMatrix3x3& block : m_bodyInverses)
-        block = Scaled(0);
-    for (size_t i = 0; i < m_nodes.size(); i++)
-        if (m_nodes[i] != nullptr)
-            m_bodyInverses[size_t(m_bodyOfNode[i])] += Scaled(1 / m_nodes[i]->m_im);
+    {
+        if (m_nodes[i] == nullptr)
+            continue;
+        m_inverses[i] = Scaled(m_inertia[i]);
+        m_bodyInverses[size_t(m_bodyOfNode[i])] += Scaled(1 / m_nodes[i]->m_im);
+    }
     for (int i = 0; i < int(m_rigids.size()); i++)
     {
         m_inverses[size_t(At(i))] = Scaled(m_rigids[size_t(i)].mass);
@@ -371,7 +375,8 @@ bool qcElasticSystem::Solve(const btDeformableBackwardEulerObjective& objective,
 {
     m_timeStep = timeStep;
     m_springs = springs;
-    FindNodes(objective, bodies);
+    if (!FindNodes(objective, bodies))
+        return false;
     const int size = At(int(m_rigids.size()));
     const bool isGuess = m_x.size() == size;
     for (Vector* vector : {&m_x, &m_forcesOfSprings, &m_right, &m_residual, &m_preconditioned, &m_direction, &m_image})

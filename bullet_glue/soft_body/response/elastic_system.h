@@ -37,7 +37,8 @@ class qcElasticSystem
     /// The index of a free dynamic body, for springs.
     int AddRigid(btRigidBody* body);
     /// Finds the displacements, and which springs are closed: those that push. `bodies`: all that have nodes in
-    /// springs. False: there is no finite solution.
+    /// springs. False: there is no finite solution, or
+    /// Bullet's numbers of nodes are those of other bodies.
     bool Solve(const btDeformableBackwardEulerObjective& objective, const std::vector<qcSceneSoftBody*>& bodies,
                btScalar timeStep, std::vector<qcElasticSpring>* springs);
     /// Adds the displacements to the bodies' positions, and the velocities that lead there.
@@ -56,7 +57,7 @@ class qcElasticSystem
     {
         return int(m_nodes.size()) + 2 * rigid;
     }
-    void FindNodes(const btDeformableBackwardEulerObjective& objective, const std::vector<qcSceneSoftBody*>& bodies);
+    bool FindNodes(const btDeformableBackwardEulerObjective& objective, const std::vector<qcSceneSoftBody*>& bodies);
     void FindInertia(const std::vector<qcSceneSoftBody*>& bodies);
     void MultiplyNodes(const Vector& x, Vector* result) const;
     void SetStiffness();

@@ -55,6 +55,13 @@ void Fill(const qcSceneSoftBody& soft, const qcHeldContact& held, const btVector
 }
 } // namespace
 
+qcHeldPoint qcHeldPointOf(const qcSoftConstraint& constraint)
+{
+    const btTransform& now = constraint.rigid->object->getWorldTransform();
+    return {qcObjectKey(constraint.rigid->object), constraint.point, now.invXform(constraint.point),
+            now.getBasis().transpose() * constraint.normal};
+}
+
 void qcHeldContacts::Keep(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
                           const std::vector<qcSoftConstraint>& constraints)
 {
@@ -77,12 +84,8 @@ void qcHeldContacts::Keep(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
         }
         if (soft == nullptr || !isFree || tangles.AreTangled(*soft, *constraint.rigid))
             continue;
-        const btTransform& now = constraint.rigid->object->getWorldTransform();
         held.count = constraint.nodeCount;
-        held.object = qcObjectKey(constraint.rigid->object);
-        held.point = constraint.point;
-        held.localPoint = now.invXform(constraint.point);
-        held.localNormal = now.getBasis().transpose() * constraint.normal;
+        held.rigid = qcHeldPointOf(constraint);
         held.thickness = constraint.thickness;
         held.friction = constraint.friction;
         soft->heldContacts.push_back(held);
@@ -101,11 +104,10 @@ void qcHeldContacts::Insert(qcSoftBodyScene& scene)
             continue;
         for (const qcHeldContact& held : soft.heldContacts)
         {
-            if (IsApplied(soft, held) || !present.Contains(soft, held.object))
+            if (IsApplied(soft, held) || !present.Contains(soft, held.rigid.object))
                 continue;
-            const btTransform& now = held.object.object->getWorldTransform();
-            Inserted inserted = {&soft, &held, now.getBasis() * held.localNormal, held.point, now * held.localPoint};
-            btScalar gap = inserted.normal.dot(StartOf(soft, held) - held.point);
+            Inserted inserted = {&soft, &held, held.rigid.Normal(), held.rigid.point, held.rigid.Point()};
+            btScalar gap = inserted.normal.dot(StartOf(soft, held) - held.rigid.point);
             // An object that is not finite holds nothing.
             if (qcMayHold(gap, held.thickness) && std::isfinite(inserted.end.length2()))
                 m_inserted.push_back(inserted);

@@ -17,6 +17,9 @@ inline bool qcMayHold(btScalar gap, btScalar thickness)
     return gap > 0 && gap <= thickness * btScalar(1.1);
 }
 
+/// The rigid side of a constraint, for the next step.
+qcHeldPoint qcHeldPointOf(const qcSoftConstraint& constraint);
+
 class qcHeldContacts
 {
   public:

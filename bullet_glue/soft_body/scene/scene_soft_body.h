@@ -14,15 +14,30 @@
 /// True if the body collides with the surfaces of Bullet's own shapes, and not by Bullet's tests of nodes or clusters.
 bool qcCollidesWithSurfaces(const btSoftBody* body, const qcSoftBodySettings& settings);
 
+/// The rigid side of a contact of the previous step.
+struct qcHeldPoint
+{
+    qcObjectKey object{nullptr, -1};
+    btVector3 point{0, 0, 0}; ///< where it was at the end of that step
+    btVector3 localPoint{0, 0, 0}, localNormal{0, 0, 0};
+
+    btVector3 Point() const
+    {
+        return object.object->getWorldTransform() * localPoint;
+    }
+    btVector3 Normal() const
+    {
+        return object.object->getWorldTransform().getBasis() * localNormal;
+    }
+};
+
 /// A contact of a soft body with a rigid object that it can't move, at the end of a step.
 struct qcHeldContact
 {
-    qcObjectKey object{nullptr, -1};
+    qcHeldPoint rigid;
     int count = 0; ///< of nodes
     uint32_t nodes[3] = {0, 0, 0};
     btScalar weights[3] = {0, 0, 0}; ///< their sum is 1
-    btVector3 point;                 ///< on the object
-    btVector3 localPoint, localNormal;
     btScalar thickness = 0, friction = 0;
 };
 
@@ -52,8 +67,8 @@ struct qcSceneSoftBody
     btVector3 collectedBox[2];        ///< the scene has the meshes in it
     bool isSolvedStretched = false;   ///< qcIsStretchedChain from `start` to `solved`
     std::vector<btVector3> positions; ///< after contacts so far; copied to Bullet's nodes at the end of the step
-    /// The parts of the positions that untangling, or in the deformable world the restoring of gaps, added in this step;
-    /// they give no velocity. Empty: none.
+    /// The parts of the positions that untangling, or in the deformable world the restoring of gaps, added in this
+    /// step; they give no velocity. Empty: none.
     std::vector<btVector3> shifts;
     std::vector<bool> pinned; ///< nodes that contacts don't move; empty: none
     /// Nodes that are anchored to a rigid object: their triangles don't collide with that, since an anchor may lie
