@@ -149,11 +149,13 @@ static qcStatus FailLost(const char* purpose)
 static qcStatus RunJob(qcDevice* device, bool* lost)
 {
     const struct qcGlFunctions* gl = &device->gl;
-    gl->programs->isAnswered = false;
+    gl->programs->isAnswered = gl->programs->hasNoErrors = false;
     qcStatus status = device->job(gl, device->jobContext);
     qcGlFunctions_ResetState(gl);
 
-    GLenum first = gl->GetError();
+    // A driver with a thread of its own waits for that thread before it returns an error.
+    bool checksErrors = !gl->programs->hasNoErrors || status != qc_statusOk;
+    GLenum first = checksErrors ? gl->GetError() : GL_NO_ERROR;
     GLenum next = first;
     for (int i = 0; next != GL_NO_ERROR && i < qc_maxGlErrors; ++i)
         next = gl->GetError();

@@ -116,6 +116,7 @@ struct qcGlPrograms
     const void* bound;
     bool keepBindings; ///< the present job calls no function whose effect has to be reset
     bool isAnswered;   ///< the present job has read what its last kernel wrote: its context was not lost before
+    bool hasNoErrors;  ///< what the present job has read shows that none of its calls failed
     uint32_t calls;    ///< calls counted by qcGl_Counted
     /// Of binaries that later starts take: see program_cache.h. Null or empty: none.
     const char* cacheFolder;

@@ -98,6 +98,26 @@ static void MakeNearlyDone(struct qcGlFunctions* gl)
     gl->DispatchCompute = DispatchAllButOne;
 }
 
+static void APIENTRY CountDispatch(GLuint x, GLuint y, GLuint z)
+{
+    s_dispatches++;
+    s_real.DispatchCompute(x, y, z);
+}
+
+/// In place of the kernel numbered s_missing the one before it runs again. A steady step does not call glGetError.
+static void APIENTRY UseAllButOne(GLuint program)
+{
+    if (s_dispatches % s_kernelsOfStep != s_missing || s_failures <= 0)
+        s_real.UseProgram(program);
+}
+
+static void MakeRepeating(struct qcGlFunctions* gl)
+{
+    s_dispatches = 0;
+    gl->DispatchCompute = CountDispatch;
+    gl->UseProgram = UseAllButOne;
+}
+
 static void CheckUnfinished(qcReplace* replace, int failures, const char* refiner)
 {
     setenv("QC_LAYERS_REFINE", refiner, 1);
@@ -153,12 +173,12 @@ START_TEST(a_readback_that_is_refused_is_named_and_the_next_step_reads)
 }
 END_TEST
 
-/// Lacks a kernel in a step with so many pairs that the device puts them in order.
-static void CheckUnfinishedOrder(qcDevice* device)
+/// Lacks a kernel in a steady step. With 1000 triangles there are so many pairs that the device puts them in order.
+static void CheckSteadyStep(qcDevice* device, qcReplace* replace, uint32_t triangles)
 {
-    if (!MakeDriver(device, MakeNearlyDone))
+    if (!MakeDriver(device, replace))
         return;
-    World world = MakeWorldOf(device, 1000, 0.15);
+    World world = MakeWorldOf(device, triangles, 0.15);
     for (int step = 0; step < 4; step++)
     {
         MoveAll(&world);
@@ -169,10 +189,18 @@ static void CheckUnfinishedOrder(qcDevice* device)
             CheckReason(fallback, "the device did not finish");
         else
             ck_assert_ptr_null(fallback);
-        // The first step's lists grow; the second puts its pairs in order.
+        // The first step's lists may grow; the second puts its pairs in order.
         ck_assert(step != 1 || s_dispatches == s_kernelsOfStep);
     }
     qcScene_Destroy(world.scene);
+}
+
+static void CheckEachKernel(qcReplace* replace, int kernels, uint32_t triangles)
+{
+    s_kernelsOfStep = kernels;
+    for (s_missing = 0; s_missing < kernels; s_missing++)
+        QC_FOR_EACH_DEVICE(device)
+    CheckSteadyStep(device, replace, triangles);
 }
 
 START_TEST(kernels_that_do_not_run_give_no_result)
@@ -182,11 +210,70 @@ START_TEST(kernels_that_do_not_run_give_no_result)
     s_kernelsOfStep = 5;
     for (s_missing = 0; s_missing < s_kernelsOfStep; s_missing++)
         CheckUnfinished(MakeNearlyDone, 1, "device");
-    s_kernelsOfStep = 6;
     setenv("QC_LAYERS_REFINE", "device", 1);
-    for (s_missing = 0; s_missing < s_kernelsOfStep; s_missing++)
-        QC_FOR_EACH_DEVICE(device)
-    CheckUnfinishedOrder(device);
+    CheckEachKernel(MakeNearlyDone, 6, 1000);
+}
+END_TEST
+
+START_TEST(kernels_that_run_in_place_of_others_give_no_result)
+{
+    setenv("QC_LAYERS_REFINE", "device", 1);
+    CheckEachKernel(MakeRepeating, 5, 200);
+    CheckEachKernel(MakeRepeating, 6, 1000);
+}
+END_TEST
+
+static bool s_isRefused;
+
+/// Refuses the upload numbered s_failures, from 1 on.
+static void APIENTRY RefuseUpload(GLenum target, GLintptr at, GLsizeiptr size, const void* data)
+{
+    bool refuses = s_failures > 0 && --s_failures == 0;
+    if (!refuses)
+        s_real.BufferSubData(target, at, size, data);
+    s_isRefused |= refuses;
+}
+
+static GLenum APIENTRY GetRefusal(void)
+{
+    GLenum error = s_isRefused ? GL_INVALID_OPERATION : s_real.GetError();
+    s_isRefused = false;
+    return error;
+}
+
+static void MakeRefusing(struct qcGlFunctions* gl)
+{
+    gl->BufferSubData = RefuseUpload;
+    gl->GetError = GetRefusal;
+}
+
+/// A body takes the place of another: there is room, and nothing else is new.
+
+static void CheckRefusedUpload(qcDevice* device, int upload)
+{
+    World world = MakeWorld(device);
+    for (int step = 0; step < 3; step++)
+    {
+        MoveAll(&world);
+        ck_assert_ptr_null(CheckPairs(world.scene, 0.0));
+    }
+    CHECK_OK(qcScene_RemoveBody(world.scene, world.ids[0]));
+    qcSoup soup = qcSoup_MakeRandom(99, 200, 0.15);
+    world.ids[0] = qcAddSoup(world.scene, &soup);
+    qcSoup_Free(&soup);
+    s_failures = upload;
+    CheckReason(CheckPairs(world.scene, 0.0), "GL_INVALID_OPERATION");
+    ck_assert_int_eq(s_failures, 0);
+    qcScene_Destroy(world.scene);
+}
+
+START_TEST(a_refused_upload_of_a_body_is_reported)
+{
+    setenv("QC_LAYERS_REFINE", "device", 1);
+    QC_FOR_EACH_DEVICE(device)
+    if (MakeDriver(device, MakeRefusing))
+        for (int upload = 1; upload <= 3; upload++)
+            CheckRefusedUpload(device, upload);
 }
 END_TEST
 
@@ -398,6 +485,7 @@ END_TEST
 QC_RUN_TESTS_ON_DEVICES("failing drivers", a_gl_error_between_two_allocations_is_reported,
                         a_readback_that_does_nothing_is_no_result,
                         a_readback_that_is_refused_is_named_and_the_next_step_reads,
-                        kernels_that_do_not_run_give_no_result, a_device_that_keeps_failing_is_tried_ever_less,
+                        kernels_that_do_not_run_give_no_result, kernels_that_run_in_place_of_others_give_no_result,
+                        a_refused_upload_of_a_body_is_reported, a_device_that_keeps_failing_is_tried_ever_less,
                         a_device_that_failed_is_tried_at_once_when_the_scene_is_of_another_size,
                         a_lost_device_is_reported_and_its_scenes_go_on_once_it_is_reopened)

@@ -72,17 +72,13 @@ qcStatus qcLayersBuffers_Create(const struct qcGlFunctions* gl, qcLayersBuffers*
     b->persistent = gl->BufferStorage != NULL;
     gl->GenBuffers(qc_layersBufferCount, b->buffers);
     gl->GenTextures(qc_layersBufferCount, b->textures);
-    gl->GenBuffers(1, &b->parameters);
-    gl->BindBuffer(GL_UNIFORM_BUFFER, b->parameters);
-    gl->BufferData(GL_UNIFORM_BUFFER, qc_parameterBytes, NULL, GL_DYNAMIC_DRAW);
-    return CheckError(gl, "no memory for parameters on the device");
+    return CheckError(gl, "no buffers on the device");
 }
 
 void qcLayersBuffers_Delete(const struct qcGlFunctions* gl, const qcLayersBuffers* b)
 {
     gl->DeleteTextures(qc_layersBufferCount, b->textures);
     gl->DeleteBuffers(qc_layersBufferCount, b->buffers);
-    gl->DeleteBuffers(1, &b->parameters);
 }
 
 qcStatus qcLayersBuffers_Allocate(const struct qcGlFunctions* gl, size_t bytes, GLbitfield mapping, void** mapped)
@@ -168,7 +164,10 @@ void qcLayersBuffers_BindAll(const struct qcGlFunctions* gl, const qcLayersBuffe
     const int* bindings = s_bindings[b->imageOnly];
     for (GLuint i = 0; i < qc_storageBindings; i++)
         gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, i, bindings[i] == qc_stream ? stream : b->buffers[bindings[i]]);
-    gl->BindBufferBase(GL_UNIFORM_BUFFER, 0, b->parameters);
+    GLsizeiptr bytes = qc_parameterWords * sizeof(uint32_t);
+    gl->BindBufferRange(GL_UNIFORM_BUFFER, qc_streamParameters, stream, 0, bytes);
+    if (!b->imageOnly)
+        gl->BindBufferRange(GL_UNIFORM_BUFFER, qc_copiedParameters, b->buffers[qc_workStep], 0, bytes);
 }
 
 const void* qcLayersBuffers_Read(const struct qcGlFunctions* gl, qcLayersBuffers* b, int buffer)

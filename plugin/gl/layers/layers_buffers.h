@@ -19,7 +19,7 @@ typedef enum qcLayersWork
     qc_workTrianglePairs, ///< two slots each
     qc_workResults,       ///< a copy of the counters, then pairs of triangles, as in qcLayersAnswer
     qc_workLists, ///< counters; for the image by cell its first entry, for pairs by tile its box, by bucket its size
-    qc_workStep,  ///< for pairs: a copy of the step's bodies and active nodes
+    qc_workStep,  ///< for pairs: a copy of the step's parameters, bodies and active nodes
     qc_layersBufferCount
 } qcLayersWork;
 
@@ -30,7 +30,10 @@ enum
     qc_counterWords = 144,
     qc_tileNodes = 16, ///< active nodes of a tile
     qc_tileWords = 8,
-    qc_parameterBytes = 256,
+    qc_parameterWords = 64, ///< of the step's data: the first ones, a uniform block
+    // Uniform blocks of the kernels.
+    qc_streamParameters = 0,
+    qc_copiedParameters = 1, ///< those of qc_workStep
     // Storage blocks of the kernels.
     qc_sourceBinding = 3, ///< qc_workTrianglePairs; while vertices are made, a qcLayersSource
     qc_copyBinding = 4,   ///< qc_workStep
@@ -42,7 +45,6 @@ typedef struct qcLayersBuffers
     bool imageOnly;
     bool persistent; ///< GL has persistent storage
     GLuint buffers[qc_layersBufferCount], textures[qc_layersBufferCount];
-    GLuint parameters;                     ///< the uniform block: qcLayersParameters
     size_t capacity[qc_layersBufferCount]; ///< elements
     void* mapped[qc_layersBufferCount];    ///< null: is not mapped
     size_t maxBytes;                       ///< of a buffer that a kernel reads

@@ -22,7 +22,7 @@ enum
     // No kernel adds 2^31 items at once, and each notices a counter that has reached 2^31: none wraps around unseen.
     qc_maxItems = 1 << 25,
     qc_maxReruns = 64,
-    // Calls for each job in device.c, beside those that are counted here: for errors.
+    // Calls for each job in device.c, beside those that are counted here: for errors, unless there can be none.
     qc_callsOfJob = 1,
     qc_spareItems = 4096,
     // Bytes of an element of qc_workNodePairs.
@@ -93,6 +93,7 @@ struct qcLayers
     uint32_t bucketCount, bucketShift; ///< of the step; 0 buckets: pairs stay in no order
     uint32_t runNumber;                ///< of the last run; the last kernel writes it to `finished`
     GLsync fence;                      ///< of the run on the device; null: there is none
+    bool showsErrors;                  ///< the run has no call whose failure its answer would not show
     qcGlTimers timers;
     qcLayersStep step; ///< the last one begun
     qcLayersAnswer answer;
@@ -131,12 +132,12 @@ static qcStatus DeleteObjects(const struct qcGlFunctions* gl, void* context)
 /// Words from the start of a step's data.
 typedef struct Places
 {
-    size_t nodes, chunks, floats, end; ///< bodies are the first
+    size_t nodes, chunks, floats, end; ///< parameters are the first, then bodies
 } Places;
 
 static Places FindPlaces(const qcLayersStep* step)
 {
-    Places p = {.nodes = step->bodyCount * (sizeof(qcLayersBody) / sizeof(uint32_t))};
+    Places p = {.nodes = qc_parameterWords + step->bodyCount * (sizeof(qcLayersBody) / sizeof(uint32_t))};
     p.chunks = p.nodes + step->activeCount;
     p.floats = p.chunks + step->chunkCount * (sizeof(qcLayersChunk) / sizeof(uint32_t));
     p.end = p.floats + step->floatCount;
@@ -182,7 +183,7 @@ static uint32_t OwnChunkCount(const qcLayersStep* step)
 /// Bytes that the processor writes for a step, beside its uploads and parameters.
 static size_t StepBytes(const qcLayersStep* step)
 {
-    return FindPlaces(step).end * sizeof(uint32_t) + step->vertexCount * sizeof(qcPoint);
+    return (FindPlaces(step).end - qc_parameterWords) * sizeof(uint32_t) + step->vertexCount * sizeof(qcPoint);
 }
 
 /// The number of items that a list holds.
@@ -227,7 +228,7 @@ static uint32_t NodePairsOfGroup(const qcLayers* layers)
     return count;
 }
 
-static void UploadParameters(const struct qcGlFunctions* gl, const qcLayers* layers)
+static void WriteParameters(const qcLayers* layers)
 {
     const qcLayersStep* step = &layers->step;
     Places p = FindPlaces(step);
@@ -262,7 +263,7 @@ static void UploadParameters(const struct qcGlFunctions* gl, const qcLayers* lay
     }
     memcpy(values.scale, step->scale, sizeof values.scale);
     memcpy(values.slack, step->slack, sizeof values.slack);
-    qcGl_Counted(gl)->BufferSubData(GL_UNIFORM_BUFFER, 0, sizeof values, &values);
+    memcpy(qcLayersStream_Data(&layers->stream), &values, sizeof values);
 }
 
 static void WriteStep(const qcLayers* layers)
@@ -270,7 +271,7 @@ static void WriteStep(const qcLayers* layers)
     const qcLayersStep* step = &layers->step;
     Places p = FindPlaces(step);
     uint32_t* words = (uint32_t*)(void*)qcLayersStream_Data(&layers->stream);
-    memcpy(words, step->bodies, step->bodyCount * sizeof(qcLayersBody));
+    memcpy(words + qc_parameterWords, step->bodies, step->bodyCount * sizeof(qcLayersBody));
     memcpy(words + p.nodes, step->activeNodes, step->activeCount * sizeof(uint32_t));
     if (step->chunkCount != 0)
         memcpy(words + p.chunks, step->chunks, step->chunkCount * sizeof(qcLayersChunk));
@@ -320,7 +321,10 @@ static bool HasList(const qcLayers* layers, int list)
 
 static void Run(const struct qcGlFunctions* gl, qcLayers* layers, qcLayersKernel kernel, uint64_t groups)
 {
-    qcLayersKernels_Run(gl, &layers->kernels, kernel, groups);
+    qcLayersKernel last = layers->imageOnly          ? qc_kernelImageNodes
+                          : layers->bucketCount != 0 ? qc_kernelOrder
+                                                     : qc_kernelPairTests;
+    qcLayersKernels_Run(gl, &layers->kernels, kernel, groups, kernel == last);
     qcGlTimers_Mark(gl, &layers->timers, s_kernelParts[kernel]);
 }
 
@@ -388,6 +392,16 @@ static void RunKernels(const struct qcGlFunctions* gl, qcLayers* layers)
         Run(gl, layers, qc_kernelOrder, layers->bucketCount);
 }
 
+/// Whether the next run shows each failure in its answer. It calls for its kernels and its fence only: a program that
+/// is not used, a kernel that is not dispatched or a fence that is not there leave the run without its number. Errors
+/// of other calls are looked for once the job is done.
+static bool ShowsErrors(const struct qcGlFunctions* gl, const qcLayers* layers)
+{
+    const qcLayersStep* step = &layers->step;
+    return gl->programs->bound == layers && layers->buffers.persistent && !layers->imageOnly && !step->timed &&
+           step->uploadCount == 0 && step->sourceCount == 0 && layers->answer.reruns == 0;
+}
+
 /// Submits a run: all kernels, and a fence behind them. May be repeated.
 static void Submit(const struct qcGlFunctions* gl, qcLayers* layers)
 {
@@ -395,10 +409,11 @@ static void Submit(const struct qcGlFunctions* gl, qcLayers* layers)
     static atomic_uint s_runs;
     layers->runNumber = atomic_fetch_add(&s_runs, 1) + 1;
     qcLayersBuffers_UnmapAll(gl, &layers->buffers);
+    WriteParameters(layers);
     qcLayersStream_Submit(gl, &layers->stream, FindPlaces(&layers->step).end * sizeof(uint32_t));
+    layers->showsErrors = ShowsErrors(gl, layers);
     if (gl->programs->bound != layers)
         qcLayersBuffers_BindAll(gl, &layers->buffers, layers->stream.buffer);
-    UploadParameters(gl, layers);
     qcGlTimers_Mark(gl, &layers->timers, qc_partUpload);
     RunKernels(gl, layers);
     layers->fence = qcGl_Counted(gl)->FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
@@ -452,7 +467,7 @@ static qcStatus SubmitStep(const struct qcGlFunctions* gl, qcLayers* layers)
     const qcLayersStep* step = &layers->step;
     gl->programs->calls = 0;
     qcGlTimers_Begin(gl, &layers->timers, step->timed, step->started, qc_partHandOver);
-    layers->answer = (qcLayersAnswer){.uploadedBytes = StepBytes(step), .glCalls = qc_callsOfJob};
+    layers->answer = (qcLayersAnswer){.uploadedBytes = StepBytes(step)};
     ChooseBuckets(layers);
     QC_TRY(ReserveAll(gl, layers));
     for (size_t i = 0; i < step->uploadCount; i++)
@@ -560,12 +575,13 @@ static qcStatus FinishStep(const struct qcGlFunctions* gl, qcLayers* layers)
         QC_TRY(GrowLists(gl, layers, &again));
     }
     gl->programs->isAnswered = true;
+    gl->programs->hasNoErrors = layers->showsErrors;
     QC_TRY(layers->imageOnly ? ReadImage(gl, layers) : ReadPairs(gl, layers));
     answer->entries = CountOf(layers, list_entries);
     answer->trianglePairs = CountOf(layers, list_trianglePairs);
     answer->skippedNodes = layers->counters.skippedNodes.count;
     answer->deviceBytes = qcLayersBuffers_ByteCount(&layers->buffers) + layers->stream.size;
-    answer->glCalls += gl->programs->calls;
+    answer->glCalls = gl->programs->calls + (layers->showsErrors ? 0 : qc_callsOfJob);
     qcGlTimers_Mark(gl, &layers->timers, qc_partWait);
     qcGlTimers_End(gl, &layers->timers, qc_partTimers);
     qcGl_KeepBindings(gl, gl->programs->bound);

@@ -31,7 +31,7 @@ enum
     qc_orderInvocations = 128 ///< of such a workgroup
 };
 
-/// The uniform block of all kernels, in the layout std140.
+/// The uniform block of all kernels, in the layout std140. A step's data begins with it.
 typedef struct qcLayersParameters
 {
     uint32_t chunkCount, changedNodes, activeNodes, runNumber;
@@ -60,9 +60,10 @@ typedef struct qcLayersKernels
 
 qcStatus qcLayersKernels_Create(const struct qcGlFunctions* gl, qcLayersKernels* kernels);
 
-/// Runs a kernel with that many workgroups; at least one, so that the last kernel marks its run.
+/// Runs a kernel with that many workgroups; at least one, so that the last kernel marks its run. `isLast`: none follows
+/// before the processor has waited for it.
 void qcLayersKernels_Run(const struct qcGlFunctions* gl, const qcLayersKernels* kernels, qcLayersKernel kernel,
-                         uint64_t groups);
+                         uint64_t groups, bool isLast);
 /// Runs qc_kernelVertices for chunks [first, end), whose floats lie in the buffer bound to qc_sourceBinding.
 void qcLayersKernels_RunForeign(const struct qcGlFunctions* gl, const qcLayersKernels* kernels, uint32_t first,
                                 uint32_t end);

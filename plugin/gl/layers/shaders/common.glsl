@@ -13,12 +13,12 @@ uniform usamplerBuffer clusterBoxes;
 layout(std430, binding = 0) buffer Lists { uint counters[]; };
 layout(std430, binding = STEP_BINDING) readonly buffer StepData { uint stepData[]; };
 
-// qcLayersParameters of gl/layers/layers_kernels.h.
-layout(std140, binding = 0) uniform Step
+// qcLayersParameters of gl/layers/layers_kernels.h: the first PARAMETER_WORDS of the step's data.
+layout(std140, binding = PARAMETER_BINDING) uniform Step
 {
     uint chunkCount, changedNodes, activeNodes, runNumber;
     uint entryCapacity, nodePairCapacity, survivorCapacity, listWords;
-    uint nodesAt, chunksAt, floatsAt; // words of the step's data, whose first are those of the bodies
+    uint nodesAt, chunksAt, floatsAt; // words of the step's data, where bodies follow the parameters
     uint nodeBoxesAt;                 // boxes of the active nodes, in Boxes
     uvec3 cellShift; // the image's cells are pixels, each cut into slices of depth: 2^cellShift levels of each axis
     uint testNeighbours;
@@ -47,7 +47,7 @@ uint activeNode(uint i)
 
 uint bodyWord(uint body, uint word)
 {
-    return stepData[body * BODY_WORDS + word];
+    return stepData[PARAMETER_WORDS + body * BODY_WORDS + word];
 }
 
 uint cellAt(uvec3 at)
@@ -64,15 +64,21 @@ uint cellAt(uvec3 at)
 const uint entryCounter = 0u, nodePairCounter = 16u, trianglePairCounter = 32u, survivorCounter = 48u,
            skippedCounter = 64u, stoppedCounter = 80u, overflowCounter = 96u, finishedCounter = 112u,
            unorderedCounter = 128u;
-// Words that the processor doesn't read: workgroups of the last kernel that are done; eight times the run's number, from
-// the first kernel, plus the kernels between it and the last that have run.
+// Words that the processor doesn't read: workgroups of the last kernel that are done; the kernels that have run, an octal
+// digit each, behind the run's number.
 const uint doneCounter = 113u, kernelCounter = 114u;
+const uint nodesRan = 01u, nodePairsRan = 010u, trianglePairsRan = 0100u, pairTestsRan = 01000u;
 
-// The last kernel's answer counts only if each kernel has run: see its `finish`.
-void countKernel()
+uint kernelsOfRun(uint kernels)
+{
+    return runNumber << 12 | kernels;
+}
+
+// The last kernel's answer counts only if each kernel has run once: see its `finish`.
+void countKernel(uint kernel)
 {
     if (gl_LocalInvocationIndex == 0u && gl_WorkGroupID == uvec3(0u))
-        atomicAdd(counters[kernelCounter], 1u);
+        atomicAdd(counters[kernelCounter], kernel);
 }
 
 // Adds items to a list's count, and notices a count that could wrap around. Returns the previous count.

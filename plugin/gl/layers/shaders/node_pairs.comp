@@ -95,7 +95,7 @@ void writeFound(uint k)
 
 void main()
 {
-    countKernel();
+    countKernel(nodePairsRan);
     uint tilesInAll = (activeNodes + TILE_NODES - 1u) / TILE_NODES, k = gl_LocalInvocationID.x;
     uint part = GROUP / max(tilesInAll, 1u), a = GROUP - part * tilesInAll, b = a + part + k * partsOfTile, t = 0u;
     if (part >= partsOfTile)

@@ -53,7 +53,7 @@ void addNode(uint i, uint node, uvec4 lower, uvec4 upper)
 
 void main()
 {
-    countKernel();
+    countKernel(nodesRan);
     uint i = GROUP, k = gl_LocalInvocationID.x;
     if (i >= activeNodes)
         return;

@@ -50,5 +50,5 @@ void main()
     uint k = gl_LocalInvocationID.x;
     if (GROUP < bucketCount)
         orderBucket(GROUP, k);
-    finish(gl_NumWorkGroups.x * gl_NumWorkGroups.y, k, 4u);
+    finish(gl_NumWorkGroups.x * gl_NumWorkGroups.y, k, nodesRan | nodePairsRan | trianglePairsRan | pairTestsRan);
 }

@@ -193,7 +193,7 @@ void main()
     if (first < count)
         counters[stoppedCounter] = 1u;
     if (bucketCount != 0u)
-        countKernel();
+        countKernel(pairTestsRan);
     else
-        finish(groups, k, 3u);
+        finish(groups, k, nodesRan | nodePairsRan | trianglePairsRan);
 }

@@ -6,9 +6,9 @@ const uint resultsAt = COUNTER_WORDS / 2u;
 
 shared bool isLast;
 
-// Ends the last kernel. Between it and the first one `kernelsBetween` others run. Its last workgroup copies the counters for
-// the processor. They are read by atomics: a cache may hold old ones.
-void finish(uint groups, uint k, uint kernelsBetween)
+// Ends the last kernel. `kernels`: those between it and the first. Its last workgroup copies the counters for the processor.
+// They are read by atomics: a cache may hold old ones.
+void finish(uint groups, uint k, uint kernels)
 {
     memoryBarrier();
     barrier();
@@ -20,7 +20,7 @@ void finish(uint groups, uint k, uint kernelsBetween)
     for (uint i = k; i < resultsAt; i += LOCAL_SIZE)
     {
         uvec2 words = uvec2(atomicAdd(counters[2u * i], 0u), atomicAdd(counters[2u * i + 1u], 0u));
-        bool allRan = atomicAdd(counters[kernelCounter], 0u) == 8u * runNumber + kernelsBetween;
+        bool allRan = atomicAdd(counters[kernelCounter], 0u) == kernelsOfRun(kernels);
         outResults[i] = uvec2(2u * i == finishedCounter && allRan ? runNumber : words.x, words.y);
     }
 }

@@ -126,7 +126,7 @@ void addNodes(uint first, uint count, uint k)
 
 void main()
 {
-    countKernel();
+    countKernel(trianglePairsRan);
     uint k = gl_LocalInvocationID.x, groups = gl_NumWorkGroups.x * gl_NumWorkGroups.y, first = GROUP * nodePairsOfGroup;
     // With too small a list the kernels run again.
     uint inList = counters[nodePairCounter], count = inList <= nodePairCapacity ? inList : 0u;

@@ -16,7 +16,7 @@ void prepareLists()
 {
     uint stride = gl_NumWorkGroups.x * gl_NumWorkGroups.y * gl_WorkGroupSize.x;
     for (uint i = ITEM; i < COUNTER_WORDS + listWords; i += stride)
-        counters[i] = i >= COUNTER_WORDS ? EMPTY_LIST : i == kernelCounter ? 8u * runNumber : 0u;
+        counters[i] = i >= COUNTER_WORDS ? EMPTY_LIST : i == kernelCounter ? kernelsOfRun(0u) : 0u;
     for (uint i = ITEM; i < bucketCount; i += stride)
         counters[bucketsAt + i] = 0u;
 #ifdef COPY_BINDING
