@@ -417,7 +417,8 @@ typedef struct qcManifoldPoint
     double pointA[3]; ///< on A, world space; pointA = pointB + distance * normal, rounded
     double pointB[3]; ///< on B, world space
     /// Unit vector from B towards A. Normals of neighbouring points agree: none points into a body that another one
-    /// separates, unless both triangles are separate and really lie so, like a sheet in a slit.
+    /// separates, unless both triangles are separate and really lie so, like a sheet in a slit. Where a sharp edge has
+    /// passed through a triangle, some may: one in a thousand shallow overlaps of convex bodies has such a point.
     double normal[3];
     /// At most the margin; negative: penetration depth at this point. Where bodies touch, it is rounding error. Where
     /// they overlap within the margin by a small part of their triangles, the depth is at most a small multiple of the
