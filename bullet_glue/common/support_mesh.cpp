@@ -105,6 +105,12 @@ qcSupportMesh::qcSupportMesh(const btCollisionShape* shape)
 
 bool qcSupportMesh::IsConvex() const
 {
+    std::call_once(m_convexityOnce, [this] { m_isConvex = FindIsConvex(); });
+    return m_isConvex;
+}
+
+bool qcSupportMesh::FindIsConvex() const
+{
     for (size_t t = 0; t < m_triangles.count; t++)
     {
         const btVector3& corner = m_triangles.points[m_triangles.indices[3 * t]];

@@ -88,7 +88,8 @@ class qcSupportMesh
     {
         return m_facesByMax;
     }
-    /// True if no vertex is above a triangle by more than rounding: the mesh is its hull. O(triangles * vertices).
+    /// True if no vertex is above a triangle by more than rounding: the mesh is its hull. The first call takes
+    /// O(triangles * vertices).
     bool IsConvex() const;
     /// Upper bound of the vertices' distance from the origin.
     btScalar Radius() const
@@ -104,6 +105,7 @@ class qcSupportMesh
     };
 
     void FindFaces();
+    bool FindIsConvex() const;
     EdgeLists FindEdges() const;
     /// Found by the first call: meshes that touch along common faces, or nothing at all, need none.
     const EdgeLists& FoundEdges() const
@@ -121,6 +123,8 @@ class qcSupportMesh
     mutable std::mutex m_edgesMutex;
     mutable std::unique_ptr<const EdgeLists> m_edges;
     mutable std::atomic<const EdgeLists*> m_foundEdges{nullptr};
+    mutable std::once_flag m_convexityOnce;
+    mutable bool m_isConvex = false; ///< once it has been found
     btScalar m_radius = 0;
 };
 

@@ -202,7 +202,7 @@ void qcSweptMultiBody::ReadTarget()
 {
     m_target = qcJointPositions(m_body);
     m_targets = ReadColliders();
-    m_hasMoment = false;
+    m_hasLeft = false;
     m_members.clear();
     m_motion.reset();
     m_fraction = 1;
@@ -288,11 +288,11 @@ void qcSweptMultiBody::CommitPushes()
 {
     if (m_motion == nullptr)
         return;
-    const bool hadMoment = m_hasMoment;
-    KeepMoment();
+    const bool hadLeft = m_hasLeft;
+    KeepTarget();
     if (!m_motion->Commit())
     {
-        m_hasMoment = hadMoment;
+        m_hasLeft = hadLeft;
         return;
     }
     m_isStopped = true;
@@ -329,11 +329,14 @@ void qcSweptMultiBody::RecordEnd()
 }
 
 /// Before the joints leave the target.
-void qcSweptMultiBody::KeepMoment()
+void qcSweptMultiBody::KeepTarget()
 {
-    if (!m_hasMoment)
+    if (!m_hasLeft)
+    {
         m_targetMoment = MomentOf(m_body);
-    m_hasMoment = true;
+        m_targetEnergy = KineticEnergyOf(m_body);
+    }
+    m_hasLeft = true;
 }
 
 bool qcSweptMultiBody::CutTo(btScalar part)
@@ -349,7 +352,7 @@ bool qcSweptMultiBody::CutTo(btScalar part)
 bool qcSweptMultiBody::ReturnToStart(const btVector3& gravity)
 {
     const Places before = ReadColliders();
-    KeepMoment();
+    KeepTarget();
     m_start.Towards(m_target, 0, m_body).Restore(&m_body);
     UpdateVelocities(gravity);
     m_isStopped = true;
@@ -363,16 +366,17 @@ void qcSweptMultiBody::Move()
     if (m_isMoved)
         return;
     m_isMoved = true;
-    KeepMoment();
+    KeepTarget();
     m_start.Towards(m_target, m_fraction, m_body).Restore(&m_body);
     ReadEnds();
 }
 
 void qcSweptMultiBody::UpdateVelocities(const btVector3& gravity)
 {
-    if (!m_hasMoment)
+    if (!m_hasLeft)
         return;
     const btScalar lost = gravity.dot(m_targetMoment - MomentOf(m_body)), energy = KineticEnergyOf(m_body);
-    if (lost > 0 && energy > 0)
-        ScaleVelocities(&m_body, btSqrt(std::max(1 - lost / energy, btScalar(0))));
+    const btScalar allowed = std::max(m_targetEnergy - std::max(lost, btScalar(0)), btScalar(0));
+    if (energy > allowed)
+        ScaleVelocities(&m_body, btSqrt(allowed / energy));
 }

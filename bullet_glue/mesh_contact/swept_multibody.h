@@ -67,13 +67,14 @@ class qcSweptMultiBody
     bool ReturnToStart(const btVector3& gravity);
     /// Moves the joints, all colliders and the ends to where that part ends.
     void Move();
-    /// If it was pushed or cut: slows down all joints by what gravity has given it for the part of a fall that it
-    /// doesn't make, so that it gains no energy.
+    /// If it was pushed or cut: slows down all joints so that it has no more kinetic energy than at the target, less
+    /// what gravity has given it for the part of a fall that it doesn't make. Equal velocities of joints have more
+    /// energy in some positions than in others.
     void UpdateVelocities(const btVector3& gravity);
     /// True if it was pushed or cut since ReadTarget.
     bool IsLimited() const
     {
-        return m_hasMoment;
+        return m_hasLeft;
     }
     /// Calls function(collider) for each link that has one.
     template <typename Function> void ForEachCollider(Function function) const
@@ -102,7 +103,7 @@ class qcSweptMultiBody
     btScalar LargestDisplacement(const Places& from, const Places& to) const;
     bool IsExplained(const qcJointPositions& expected);
     void FindStart(btScalar timeStep);
-    void KeepMoment();
+    void KeepTarget();
     qcMultiBodyMotion& Motion();
     size_t IndexOf(const qcSweptObject& link);
     void ReadEnds();
@@ -113,7 +114,8 @@ class qcSweptMultiBody
     Places m_puts;    ///< the colliders at m_put; none: it starts there, or the application moves nothing
     Places m_records; ///< of the joints' end of the previous step; none: it is new
     btVector3 m_targetMoment{0, 0, 0}; ///< sum of masses times places, at the target
-    bool m_hasMoment = false;
+    btScalar m_targetEnergy = 0;       ///< kinetic, at the target
+    bool m_hasLeft = false;            ///< the joints are not at the target
     std::vector<Member> m_members;
     std::unique_ptr<qcMultiBodyMotion> m_motion; ///< null: no push needs it yet
     bool m_hasStart = false, m_isMoved = true;
