@@ -14,7 +14,8 @@ struct Registry
 
 Registry& GetRegistry()
 {
-    static Registry registry;
+    // Never destroyed: a qcMeshContact of static storage ends after what is made in its life.
+    static Registry& registry = *new Registry;
     return registry;
 }
 } // namespace

@@ -12,6 +12,12 @@ namespace
 {
 // In squared units: below it, corners that rounding moved make areas of pieces that touch along an edge.
 constexpr double s_minArea = 1e-13;
+// In the same units: of positions, far above it.
+constexpr double s_rounding = 1e-9;
+// Areas that differ by less than this part are equal but for rounding.
+constexpr double s_sameArea = 1e-10;
+
+using Triangle = std::array<qcClipPoint, 3>;
 
 /// The triangles of a piece in one cut.
 struct CutFace
@@ -19,7 +25,7 @@ struct CutFace
     uint32_t lowCell, highCell;
     bool isHigh; ///< the piece is in the cell of the higher number
     uint32_t piece;
-    std::vector<std::array<qcClipPoint, 3>> triangles;
+    std::vector<Triangle> triangles;
 };
 
 /// A part of a plane: its area, the integral of positions over it, and its vector area.
@@ -71,21 +77,63 @@ void ClipPolygon(const qcClipPoint& on, const qcClipPoint& across, std::vector<q
     polygon->swap(kept);
 }
 
+qcClipPoint NormalOf(const Triangle& corner)
+{
+    return qcCrossOf(qcMinus(corner[1], corner[0]), qcMinus(corner[2], corner[0]));
+}
+
+/// The normal of a face's largest triangle. Where a cut crosses a flat side of two triangles, some have no area, and
+/// the face of a mesh that crosses itself has triangles of both orientations.
+qcClipPoint PlaneNormal(const CutFace& face)
+{
+    qcClipPoint largest = {0, 0, 0};
+    for (const Triangle& corner : face.triangles)
+    {
+        const qcClipPoint normal = NormalOf(corner);
+        if (qcDotOf(normal, normal) > qcDotOf(largest, largest))
+            largest = normal;
+    }
+    return largest;
+}
+
+/// True if the boxes of two triangles meet, up to rounding: both lie in one plane.
+bool BoxesMeet(const Triangle& a, const Triangle& b)
+{
+    for (size_t axis = 0; axis < 3; axis++)
+    {
+        auto [lowA, highA] = std::minmax({a[0][axis], a[1][axis], a[2][axis]});
+        auto [lowB, highB] = std::minmax({b[0][axis], b[1][axis], b[2][axis]});
+        if (lowA > highB + s_rounding || lowB > highA + s_rounding)
+            return false;
+    }
+    return true;
+}
+
 /// The overlap of two faces on different sides of a cut. O(triangles * triangles).
 Area Overlap(const CutFace& one, const CutFace& other)
 {
     Area area;
     std::vector<qcClipPoint> polygon;
-    for (const auto& subject : one.triangles)
-        for (const auto& corner : other.triangles)
+    const qcClipPoint plane = PlaneNormal(other);
+    for (const Triangle& corner : other.triangles)
+    {
+        const double turn = qcDotOf(NormalOf(corner), plane);
+        const double side = turn > 0 ? 1 : -1;
+        for (const Triangle& subject : one.triangles)
         {
+            if (turn == 0 || !BoxesMeet(subject, corner))
+                continue;
             polygon.assign(subject.begin(), subject.end());
-            qcClipPoint normal = qcCrossOf(qcMinus(corner[1], corner[0]), qcMinus(corner[2], corner[0]));
             for (size_t edge = 0; edge < 3 && !polygon.empty(); edge++)
-                ClipPolygon(corner[edge], qcCrossOf(qcMinus(corner[(edge + 1) % 3], corner[edge]), normal), &polygon);
+            {
+                const qcClipPoint along = qcMinus(corner[(edge + 1) % 3], corner[edge]);
+                ClipPolygon(corner[edge], qcCrossOf(along, {side * plane[0], side * plane[1], side * plane[2]}),
+                            &polygon);
+            }
             for (size_t i = 2; i < polygon.size(); i++)
                 area.Add(polygon[0], polygon[i - 1], polygon[i]);
         }
+    }
     return area;
 }
 
@@ -100,21 +148,37 @@ void AddBond(const CutFace& low, const CutFace& high, const Area& area, const qc
     bond.area = area.area * units.length * units.length;
     bond.center = units.Global({area.first[0] / area.area, area.first[1] / area.area, area.first[2] / area.area});
     qcClipPoint normal = AreaOf(low).normal;
+    if (qcDotOf(normal, normal) < s_minArea * s_minArea)
+        normal = PlaneNormal(low);
     double length = std::max(std::sqrt(qcDotOf(normal, normal)), std::numeric_limits<double>::min());
     bond.normal = btVector3(btScalar(normal[0] / length), btScalar(normal[1] / length), btScalar(normal[2] / length));
     bonds->push_back(bond);
+}
+
+double SumOfAreas(const CutFace* begin, const CutFace* end)
+{
+    double sum = 0;
+    for (const CutFace* face = begin; face != end; face++)
+        sum += AreaOf(*face).area;
+    return sum;
+}
+
+/// True if one of two sides of a cut has one face, and the other side's have its area together: they belong to it.
+/// Splinters have been dropped where they have not.
+bool IsShared(const CutFace* begin, const CutFace* middle, const CutFace* end)
+{
+    const double low = SumOfAreas(begin, middle), high = SumOfAreas(middle, end);
+    return (middle - begin == 1 || end - middle == 1) && std::abs(low - high) <= s_sameArea * std::max(low, high);
 }
 
 /// The bonds in one cut: the faces from `begin` to `middle` are on its lower side, those up to `end` on the other.
 void AddBonds(const CutFace* begin, const CutFace* middle, const CutFace* end, const qcFractureUnits& units,
               std::vector<qcBond>* bonds)
 {
+    const bool isShared = IsShared(begin, middle, end), isLow = end - middle == 1;
     for (const CutFace* low = begin; low != middle; low++)
         for (const CutFace* high = middle; high != end; high++)
-            if (middle - begin > 1 && end - middle > 1)
-                AddBond(*low, *high, Overlap(*low, *high), units, bonds);
-            else // The other side has one face, to which the faces on this side belong.
-                AddBond(*low, *high, AreaOf(end - middle > 1 ? *high : *low), units, bonds);
+            AddBond(*low, *high, isShared ? AreaOf(isLow ? *low : *high) : Overlap(*low, *high), units, bonds);
 }
 
 std::vector<CutFace> FindFaces(const std::vector<qcPieceCuts>& pieces)

@@ -14,12 +14,16 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <set>
 
 namespace
 {
+// Draws of a site that equals an earlier one, before it is taken all the same.
+constexpr int s_maxDraws = 100;
 constexpr btScalar s_minMass = std::numeric_limits<btScalar>::min();
 constexpr double s_minShare = 1e-9; ///< min volume of a piece relative to the mesh; smaller pieces are dropped
 // Tolerances for a sum of volumes, relative and in cubic units. Boxes, needles and tori turned at random, in up to 125
@@ -131,8 +135,29 @@ std::string Prepare(const qcFractureDef& def, qcClipScratch* scratch, Job* job)
 
 //  ---- pieces ----------------------------------------------------------------------------------------
 
-/// Joins hollows to the pieces around them. A hollow is an island of its own, inside out; it belongs to the first
-/// island whose box contains its box.
+/// How many times a mesh encloses a point: the sum of the solid angles of its triangles (van Oosterom, Strackee: The
+/// solid angle of a plane triangle, 1983).
+double WindingAbout(const qcFacetedMesh& mesh, const qcClipPoint& point)
+{
+    double sum = 0;
+    for (const qcClipTriangle& triangle : mesh.triangles)
+    {
+        qcClipPoint e[3];
+        double length[3];
+        for (size_t c = 0; c < 3; c++)
+        {
+            e[c] = qcMinus(mesh.points[triangle.corner[c]], point);
+            length[c] = std::sqrt(qcDotOf(e[c], e[c]));
+        }
+        sum += std::atan2(qcDotOf(e[0], qcCrossOf(e[1], e[2])),
+                          length[0] * length[1] * length[2] + qcDotOf(e[0], e[1]) * length[2] +
+                              qcDotOf(e[1], e[2]) * length[0] + qcDotOf(e[2], e[0]) * length[1]);
+    }
+    return sum / (2 * 3.14159265358979323846);
+}
+
+/// Joins hollows to the pieces around them. A hollow is an island of its own, inside out; it belongs to the smallest
+/// island that encloses it.
 void JoinHollows(std::vector<qcFacetedMesh>* islands)
 {
     auto holds = [](const qcFacetedMesh& outer, const qcFacetedMesh& inner)
@@ -152,22 +177,31 @@ void JoinHollows(std::vector<qcFacetedMesh>* islands)
         qcClipPoint first;
         if (qcFacetedMesh_Measure((*islands)[i], &first) >= 0)
             continue;
+        qcFacetedMesh& inner = (*islands)[i];
+        size_t around = islands->size();
+        double least = 0;
         for (size_t k = 0; k < islands->size(); k++)
         {
-            qcFacetedMesh &outer = (*islands)[k], &inner = (*islands)[i];
-            if (k == i || qcFacetedMesh_Measure(outer, &first) <= 0 || !holds(outer, inner))
+            const qcFacetedMesh& outer = (*islands)[k];
+            double volume = k == i ? 0 : qcFacetedMesh_Measure(outer, &first);
+            if (volume <= 0 || (around < islands->size() && volume >= least) || !holds(outer, inner) ||
+                WindingAbout(outer, inner.points[0]) < 0.5)
                 continue;
-            uint32_t offset = uint32_t(outer.points.size());
-            outer.points.insert(outer.points.end(), inner.points.begin(), inner.points.end());
-            for (qcClipTriangle triangle : inner.triangles)
-            {
-                for (uint32_t& corner : triangle.corner)
-                    corner += offset;
-                outer.triangles.push_back(triangle);
-            }
-            inner = qcFacetedMesh();
-            break;
+            around = k;
+            least = volume;
         }
+        if (around == islands->size())
+            continue;
+        qcFacetedMesh& outer = (*islands)[around];
+        uint32_t offset = uint32_t(outer.points.size());
+        outer.points.insert(outer.points.end(), inner.points.begin(), inner.points.end());
+        for (qcClipTriangle triangle : inner.triangles)
+        {
+            for (uint32_t& corner : triangle.corner)
+                corner += offset;
+            outer.triangles.push_back(triangle);
+        }
+        inner = qcFacetedMesh();
     }
 }
 
@@ -388,17 +422,26 @@ std::vector<btVector3> qcScatterSites(const btVector3& lower, const btVector3& u
                                       const btVector3* impact)
 {
     std::vector<btVector3> sites;
+    std::set<std::array<btScalar, 3>> taken;
     btVector3 dense = impact != nullptr ? *impact : lower;
     dense.setMax(lower);
     dense.setMin(upper);
-    for (uint32_t i = 0; i < count; i++)
+    auto draw = [&]
     {
         btVector3 site;
         for (int axis = 0; axis < 3; axis++)
             site[axis] = lower[axis] + btScalar(Random(&seed)) * (upper[axis] - lower[axis]);
         site.setW(0);
         // A random share of the way from the impact to the site: densities fall as the square of the distance.
-        sites.push_back(impact != nullptr ? dense.lerp(site, btScalar(Random(&seed))) : site);
+        return impact != nullptr ? dense.lerp(site, btScalar(Random(&seed))) : site;
+    };
+    for (uint32_t i = 0; i < count; i++)
+    {
+        btVector3 site = draw();
+        // Far from the origin few positions are near the impact.
+        for (int more = 0; more < s_maxDraws && !taken.insert({site.x(), site.y(), site.z()}).second; more++)
+            site = draw();
+        sites.push_back(site);
     }
     return sites;
 }

@@ -111,7 +111,7 @@ double qcBreakBonds(const qcFracture& fracture, const qcImpact& impact, std::vec
             seen[bond] = true;
         }
     };
-    double left = impact.energy;
+    double left = impact.energy, sum = 0;
     for (reachPiece(impact.piece); left > 0 && !nearest.empty();)
     {
         uint32_t bond = nearest.top().second;
@@ -122,12 +122,13 @@ double qcBreakBonds(const qcFracture& fracture, const qcImpact& impact, std::vec
         double taken = std::min(left, energy);
         left -= taken;
         energy -= taken;
+        sum += taken;
         if (energy > 0)
             break;
         reachPiece(fracture.bonds[bond].pieceA);
         reachPiece(fracture.bonds[bond].pieceB);
     }
-    return impact.energy - left;
+    return sum;
 }
 
 std::vector<qcIsland> qcFindIslands(const qcFracture& fracture, const std::vector<double>& energies)

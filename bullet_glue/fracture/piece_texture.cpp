@@ -155,12 +155,14 @@ qcPieceTexture qcTexturePiece(const qcFractureDef& mesh, const qcPiece& piece, c
     for (size_t t = 0; t < piece.firstCutTriangle; t++)
         made.materials.push_back(texture.materials.empty() ? 0 : texture.materials[piece.sources[t]]);
     const std::map<uint32_t, CutPlane> planes = PlanesOf(piece);
+    // Far from the mesh, the axes' rounding would count.
+    const qcDoubleVector origin = qcDoubleVectorOf(mesh.vertices[0]);
     for (size_t t = piece.firstCutTriangle; t < piece.sources.size(); t++)
     {
         const CutPlane& plane = planes.at(piece.sources[t]);
         for (size_t c = 0; c < 3; c++)
         {
-            qcDoubleVector place = PlaceOf(piece, piece.indices[3 * t + c]);
+            const qcDoubleVector place = qcMinus(PlaceOf(piece, piece.indices[3 * t + c]), origin);
             made.coordinates.push_back(float(texture.cutScale * qcDotOf(place, plane.u)));
             made.coordinates.push_back(float(texture.cutScale * qcDotOf(place, plane.v)));
         }

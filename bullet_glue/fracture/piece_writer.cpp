@@ -163,6 +163,8 @@ std::string qcFindPieceDefect(const qcPiece& piece, const qcFracture& fracture)
     }
     if (!std::isfinite(piece.volume) || !qcIsFinite(piece.inertia) || !qcIsFinite(piece.frame))
         return "its volume, its inertia or its frame is not finite";
+    if (!(piece.volume > 0))
+        return "its volume is not positive";
     return "";
 }
 

@@ -13,6 +13,8 @@
 namespace
 {
 constexpr uint32_t s_none = UINT32_MAX;
+// In squared units of about the mesh's size: a face with less lies in a plane that crosses it, but for rounding.
+constexpr double s_minFaceArea = 1e-13;
 
 //  ---- edges of a mesh -------------------------------------------------------------------------------
 
@@ -91,8 +93,8 @@ bool DropBackToBack(const std::vector<TriangleEdge>& triangleEdges, const std::v
 //  ---- the cut ---------------------------------------------------------------------------------------
 
 /// Fills the signed distances of the points from the plane and the new indices of those that are not outside. Returns
-/// how many these are.
-uint32_t FindSides(const qcClipSolid& solid, const qcClipPlane& plane, qcClipScratch* scratch)
+/// how many these are. `inPlane`: the number of points in the plane.
+uint32_t FindSides(const qcClipSolid& solid, const qcClipPlane& plane, qcClipScratch* scratch, size_t* inPlane)
 {
     size_t count = solid.points.size();
     scratch->sides.resize(count);
@@ -101,13 +103,56 @@ uint32_t FindSides(const qcClipSolid& solid, const qcClipPlane& plane, qcClipScr
     double* sides = scratch->sides.data();
     uint32_t* newIndices = scratch->newIndices.data();
     uint32_t kept = 0;
+    *inPlane = 0;
     for (size_t i = 0; i < count; i++)
     {
         sides[i] = qcDotOf(plane.normal, points[i]) - plane.distance;
         uint32_t isOutside = sides[i] > 0;
         newIndices[i] = kept | (0 - isOutside); // s_none outside
         kept += 1 - isOutside;
+        *inPlane += sides[i] == 0;
     }
+    return kept;
+}
+
+/// True if a face lies in the plane and has what is outside of that behind it: with the plane's points it would stay as
+/// a sheet without thickness, which joins what the plane parts.
+bool HasFaceAgainst(const qcClipSolid& solid, const qcClipPlane& plane, const std::vector<double>& sides)
+{
+    struct FaceEdge
+    {
+        uint32_t face, from, to;
+    };
+    std::vector<FaceEdge> edges;
+    for (const qcClipEdge& edge : solid.edges)
+        if (sides[edge.from] == 0 && sides[edge.to] == 0)
+        {
+            edges.push_back({edge.left, edge.from, edge.to});
+            edges.push_back({edge.right, edge.to, edge.from});
+        }
+    std::sort(edges.begin(), edges.end(), [](const FaceEdge& a, const FaceEdge& b) { return a.face < b.face; });
+    // Twice a face's area, along the plane's normal. The edges of a face that the plane crosses lie on one line: no
+    // area.
+    for (size_t i = 0; i < edges.size();)
+    {
+        const uint32_t face = edges[i].face;
+        const qcClipPoint about = solid.points[edges[i].from];
+        double area = 0;
+        for (; i < edges.size() && edges[i].face == face; i++)
+            area += qcDotOf(plane.normal, qcCrossOf(qcMinus(solid.points[edges[i].from], about),
+                                                    qcMinus(solid.points[edges[i].to], about)));
+        if (area < -s_minFaceArea)
+            return true;
+    }
+    return false;
+}
+
+/// Counts points in the plane as outside, too. Returns how many are not.
+uint32_t LeaveOutPlane(qcClipScratch* scratch)
+{
+    uint32_t kept = 0;
+    for (size_t i = 0; i < scratch->sides.size(); i++)
+        scratch->newIndices[i] = scratch->sides[i] < 0 ? kept++ : s_none;
     return kept;
 }
 
@@ -318,7 +363,10 @@ size_t qcClipSolid_Make(qcFacetedMesh* mesh, qcClipSolid* solid)
 
 void qcClipSolid_Clip(const qcClipSolid& from, const qcClipPlane& plane, qcClipScratch* scratch, qcClipSolid* to)
 {
-    uint32_t kept = FindSides(from, plane, scratch);
+    size_t inPlane;
+    uint32_t kept = FindSides(from, plane, scratch, &inPlane);
+    if (inPlane >= 3 && HasFaceAgainst(from, plane, scratch->sides))
+        kept = LeaveOutPlane(scratch);
     if (kept == from.points.size())
     {
         if (to != &from)

@@ -375,9 +375,12 @@ bool qcMeshBatch::ReadPair(const qcPlacedMesh& a, const qcPlacedMesh& b, std::ve
     int meshA = FindMesh(*gatheredA, a), meshB = FindMesh(*gatheredB, b);
     if (pair == nullptr || !pair->isKnown || pair->checked != m_validity.GetNumber() || meshA < 0 || meshB < 0)
         return false;
-    for (const qcKnownPoint& known : pair->points)
-        if (known.meshA == uint32_t(meshA) && known.meshB == uint32_t(meshB))
-            points->push_back(known.At(a.transform, b.transform));
+    auto isBefore = [](const qcKnownPoint& known, const std::pair<uint32_t, uint32_t>& meshes)
+    { return std::make_pair(known.meshA, known.meshB) < meshes; };
+    const std::pair<uint32_t, uint32_t> meshes = {uint32_t(meshA), uint32_t(meshB)}; // the points are sorted by these
+    for (auto known = std::lower_bound(pair->points.begin(), pair->points.end(), meshes, isBefore);
+         known != pair->points.end() && known->meshA == meshes.first && known->meshB == meshes.second; known++)
+        points->push_back(known->At(a.transform, b.transform));
     return true;
 }
 

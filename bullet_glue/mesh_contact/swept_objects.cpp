@@ -288,10 +288,26 @@ btScalar qcSweptObjects::TravelNear(const btCollisionObject* object) const
     btVector3 lower, upper;
     shape->getAabb(object->getWorldTransform(), lower, upper);
     const btVector3 around(own, own, own);
-    for (const qcSweptObject* mesh : m_movingMeshes)
-        if (mesh->travel > largest && IsBelow(lower - around, mesh->upper) && IsBelow(mesh->lower, upper + around))
-            largest = mesh->travel;
+    auto isBefore = [](const qcSweptObject* mesh, btScalar x) { return mesh->lower.x() < x; };
+    auto next =
+        std::lower_bound(m_movingMeshes.begin(), m_movingMeshes.end(), lower.x() - own - m_widestMesh, isBefore);
+    for (; next != m_movingMeshes.end() && (*next)->lower.x() <= upper.x() + own; next++)
+    {
+        const qcSweptObject& mesh = **next;
+        if (mesh.travel > largest && IsBelow(lower - around, mesh.upper) && IsBelow(mesh.lower, upper + around))
+            largest = mesh.travel;
+    }
     return own + largest;
+}
+
+/// Sorts the moving meshes for TravelNear.
+void qcSweptObjects::SortMovingMeshes()
+{
+    std::sort(m_movingMeshes.begin(), m_movingMeshes.end(),
+              [](const qcSweptObject* a, const qcSweptObject* b) { return a->lower.x() < b->lower.x(); });
+    m_widestMesh = 0;
+    for (const qcSweptObject* mesh : m_movingMeshes)
+        m_widestMesh = std::max(m_widestMesh, mesh->upper.x() - mesh->lower.x());
 }
 
 /// True if a mesh may reach cores of this half width in the step: they are fast, or their shapes deep in one.
@@ -338,6 +354,7 @@ bool qcSweptObjects::MissesCores()
         if (swept->travel > s_restMeshMotion * gContactBreakingThreshold)
             m_movingMeshes.push_back(swept);
     }
+    SortMovingMeshes();
     const btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
     auto isMissed = [this](const btCollisionObject* object)
     {
@@ -430,6 +447,7 @@ bool qcSweptObjects::ReadObjects(qcScene* scene)
             swept.FindBox();
             m_movingMeshes.push_back(&swept);
         }
+    SortMovingMeshes();
     if (m_anyOurs)
         m_depths.Read(m_settings.world->getDispatcher());
     for (int i = 0; m_anyOurs && i < objects.size(); i++)
@@ -584,16 +602,32 @@ void qcSweptObjects::FindPairs(std::vector<qcSweptPair>* pairs)
     std::sort(m_byLower.begin(), m_byLower.end(),
               [](const qcSweptObject* a, const qcSweptObject* b)
               { return std::make_pair(a->lower.x(), a->number) < std::make_pair(b->lower.x(), b->number); });
+    auto add = [this, pairs](qcSweptObject* a, qcSweptObject* b)
+    {
+        if (a->number > b->number)
+            std::swap(a, b);
+        if (!(a->isUnmoved && b->isUnmoved) && IsBelow(a->lower, b->upper) && IsBelow(b->lower, a->upper) &&
+            Collide(*a, *b))
+            pairs->emplace_back(a, b);
+    };
+    // Objects that move are compared with all that follow them, others with those of these that move.
+    std::vector<size_t> moving;
     for (size_t i = 0; i < m_byLower.size(); i++)
-        for (size_t j = i + 1; j < m_byLower.size() && m_byLower[j]->lower.x() <= m_byLower[i]->upper.x(); j++)
-        {
-            qcSweptObject *a = m_byLower[i], *b = m_byLower[j];
-            if (a->number > b->number)
-                std::swap(a, b);
-            if ((a->moves || b->moves) && !(a->isUnmoved && b->isUnmoved) && IsBelow(a->lower, b->upper) &&
-                IsBelow(b->lower, a->upper) && Collide(*a, *b))
-                pairs->emplace_back(a, b);
-        }
+        if (m_byLower[i]->moves)
+            moving.push_back(i);
+    size_t next = 0;
+    for (size_t i = 0; i < m_byLower.size() && !moving.empty(); i++)
+    {
+        qcSweptObject* first = m_byLower[i];
+        for (; next < moving.size() && moving[next] <= i; next++)
+            ;
+        if (first->moves)
+            for (size_t j = i + 1; j < m_byLower.size() && m_byLower[j]->lower.x() <= first->upper.x(); j++)
+                add(first, m_byLower[j]);
+        else
+            for (size_t k = next; k < moving.size() && m_byLower[moving[k]]->lower.x() <= first->upper.x(); k++)
+                add(first, m_byLower[moving[k]]);
+    }
 }
 
 void qcSweptObjects::RecordEnds()

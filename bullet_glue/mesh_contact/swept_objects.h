@@ -97,6 +97,7 @@ class qcSweptObjects
     void EndDeformations() const;
     void RemoveGone(qcScene* scene);
     btScalar TravelNear(const btCollisionObject* object) const;
+    void SortMovingMeshes();
     bool MayPass(const btCollisionObject* object, btScalar halfWidth) const;
     bool TakesCores(const btCollisionObject* object);
     qcSweptObject& ReadTarget(btCollisionObject* object, bool takesCores, qcScene* scene);
@@ -113,7 +114,9 @@ class qcSweptObjects
     qcConvexCores m_cores{qcCoreSize}, m_innerCores{qcInnerCoreSize};
     qcContactDepths m_depths;
     btScalar m_timeStep = 0;
-    std::vector<const qcSweptObject*> m_movingMeshes; ///< of those whose contact is computed here
+    /// Of those whose contact is computed here, by the lower ends of their boxes along x.
+    std::vector<const qcSweptObject*> m_movingMeshes;
+    btScalar m_widestMesh = 0; ///< the largest extent of these along x
     const btCollisionObject* m_notFinite = nullptr;
     size_t m_coreCount = 0;     ///< objects whose convex shapes are swept
     bool m_anyOurs = false;     ///< there is an object whose contact is computed here

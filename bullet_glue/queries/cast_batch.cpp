@@ -1,11 +1,13 @@
 // Rays and sweeps in batches, on threads.
 #include "quickcullide/bullet_queries.h"
 
+#include "common/compound_children.h"
 #include "common/finite.h"
 #include "common/parallel_loop.h"
 #include "quickcullide/bullet_broadphase.h"
 
 #include <BulletCollision/CollisionShapes/btConvexShape.h>
+#include <BulletSoftBody/btSoftBody.h>
 
 #include <algorithm>
 #include <initializer_list>
@@ -106,13 +108,35 @@ qcCastHit CastOne(const btCollisionWorld& world, const btConvexShape& shape, con
     return hit;
 }
 
+/// Whether Bullet's ray tests and sweeps only read the object: btGImpactMeshShape counts its readers, not atomically,
+/// and a soft body's first ray builds its tree of faces.
+bool IsOnlyRead(const btCollisionObject* object)
+{
+    if (const btSoftBody* soft = btSoftBody::upcast(object))
+        return soft->m_faces.size() == 0 || !soft->m_fdbvt.empty();
+    bool read = true;
+    qcForEachSimpleShape(object->getCollisionShape(), btTransform::getIdentity(),
+                         [&read](const btCollisionShape* shape, const btTransform&)
+                         { read = read && shape->getShapeType() != GIMPACT_SHAPE_PROXYTYPE; });
+    return read;
+}
+
+/// Whether several threads may cast at once.
+bool MayThread(const btCollisionWorld& world)
+{
+    const btCollisionObjectArray& objects = world.getCollisionObjectArray();
+    bool may = dynamic_cast<const qcBroadphase*>(world.getBroadphase()) != nullptr;
+    for (int i = 0; i < objects.size() && may; i++)
+        may = IsOnlyRead(objects[i]);
+    return may;
+}
+
 /// Calls cast(i) for each index below `count`; its result becomes hits[i] once all have returned.
 template <typename Cast>
 qcStatus ForEach(const btCollisionWorld& world, const qcCastDef& def, size_t count, qcCastHit* hits, const Cast& cast)
 {
     std::vector<qcCastHit> found(count);
-    const bool threaded = dynamic_cast<const qcBroadphase*>(world.getBroadphase()) != nullptr;
-    qcForEach(threaded ? qcWorkersOf(def.threads) : 1, count, s_blockSize,
+    qcForEach(MayThread(world) ? qcWorkersOf(def.threads) : 1, count, s_blockSize,
               [&](size_t i, uint32_t) { found[i] = cast(i); });
     std::copy(found.begin(), found.end(), hits);
     return qc_statusOk;

@@ -96,7 +96,7 @@ struct qcFracture
 QC_API qcFracture qcFracture_Split(const qcFractureDef& def);
 
 /// `count` sites in a box, the same for the same seed. With an impact point they are denser near it, or near the point
-/// of the box next to it.
+/// of the box next to it. No two are equal, unless the box has too few positions.
 QC_API std::vector<btVector3> qcScatterSites(const btVector3& lower, const btVector3& upper, uint32_t count,
                                              uint64_t seed, const btVector3* impact = nullptr);
 
@@ -110,7 +110,7 @@ struct qcPieceMotion
 };
 
 /// The motion of a piece of `body`. `fracture` must be of the body's mesh in the body's frame, whose origin is its
-/// centre of mass. O(1).
+/// centre of mass. O(pieces).
 QC_API qcPieceMotion qcMotionOfPiece(const btRigidBody& body, const qcFracture& fracture, const qcPiece& piece);
 
 /// @name Materials and texture coordinates
@@ -132,7 +132,7 @@ struct qcPieceTexture
     qcStatus status = qc_statusOk; ///< qc_statusBadInput: the rest is empty
     std::string message;           ///< the defect of the input, and its place
     /// u and v of each corner of each triangle of the piece, six a triangle: on the mesh's surface interpolated, in a
-    /// cut planar and equal on both of its sides.
+    /// cut planar, from the mesh's first vertex, and up to rounding equal on both of its sides.
     std::vector<float> coordinates;
     std::vector<uint32_t> materials; ///< of each triangle of the piece
 };

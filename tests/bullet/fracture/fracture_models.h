@@ -49,15 +49,71 @@ inline qcFractureDef qcTorusToBreak(int around, int across, double radius, doubl
     return def;
 }
 
+/// Adds the mesh of another definition, moved.
+inline void qcAddToBreak(qcFractureDef* def, const qcFractureDef& other, const btVector3& by)
+{
+    const uint32_t offset = uint32_t(def->vertices.size());
+    for (const btVector3& vertex : other.vertices)
+        def->vertices.push_back(vertex + by);
+    for (uint32_t index : other.indices)
+        def->indices.push_back(index + offset);
+}
+
 /// A box with a hollow.
 inline qcFractureDef qcHollowToBreak()
 {
-    qcFractureDef outer = qcBoxToBreak(1, 1, 1), inner = qcBoxToBreak(0.2, 0.2, 0.2, true);
-    uint32_t offset = uint32_t(outer.vertices.size());
-    outer.vertices.insert(outer.vertices.end(), inner.vertices.begin(), inner.vertices.end());
-    for (uint32_t index : inner.indices)
-        outer.indices.push_back(index + offset);
-    return outer;
+    qcFractureDef def = qcBoxToBreak(1, 1, 1);
+    qcAddToBreak(&def, qcBoxToBreak(0.2, 0.2, 0.2, true), btVector3(0, 0, 0));
+    return def;
+}
+
+/// A bar of 2 `teeth` - 1 by 1 by 2, along x, y and z, with teeth of 1 by 2 by 2 on it, apart by as much as they are
+/// wide.
+inline qcFractureDef qcCombToBreak(int teeth)
+{
+    qcFractureDef def;
+    const int columns = 2 * teeth;
+    for (int z = -1; z <= 1; z += 2)
+        for (int y : {0, 1, 3})
+            for (int x = 0; x < columns; x++)
+                def.vertices.push_back(btVector3(btScalar(x), btScalar(y), btScalar(z)));
+    auto at = [&](int x, int row, int side) { return uint32_t((side * 3 + row) * columns + x); };
+    auto addAround = [&](int fromX, int fromRow, int toX, int toRow)
+    { qcAddQuad(&def, at(fromX, fromRow, 0), at(toX, toRow, 0), at(toX, toRow, 1), at(fromX, fromRow, 1)); };
+    auto addEnds = [&](int x, int row)
+    {
+        qcAddQuad(&def, at(x, row, 0), at(x, row + 1, 0), at(x + 1, row + 1, 0), at(x + 1, row, 0));
+        qcAddQuad(&def, at(x, row, 1), at(x + 1, row, 1), at(x + 1, row + 1, 1), at(x, row + 1, 1));
+    };
+    for (int x = 0; x + 1 < columns; x++)
+    {
+        addAround(x, 0, x + 1, 0);
+        addEnds(x, 0);
+        if (x % 2 != 0)
+        {
+            addAround(x + 1, 1, x, 1);
+            continue;
+        }
+        addEnds(x, 1);
+        addAround(x + 1, 1, x + 1, 2);
+        addAround(x + 1, 2, x, 2);
+        addAround(x, 2, x, 1);
+    }
+    addAround(0, 1, 0, 0);
+    addAround(columns - 1, 0, columns - 1, 1);
+    return def;
+}
+
+inline double qcCutAreaOf(const qcPiece& piece)
+{
+    double area = 0;
+    for (size_t i = 3 * size_t(piece.firstCutTriangle); i < piece.indices.size(); i += 3)
+    {
+        const btVector3 &a = piece.vertices[piece.indices[i]], &b = piece.vertices[piece.indices[i + 1]],
+                        &c = piece.vertices[piece.indices[i + 2]];
+        area += double((b - a).cross(c - a).length()) / 2;
+    }
+    return area;
 }
 
 inline void qcScatterInside(qcFractureDef* def, uint32_t count, uint64_t seed)

@@ -9,9 +9,11 @@
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -212,6 +214,46 @@ START_TEST(hollows_make_holes_in_cuts)
 }
 END_TEST
 
+START_TEST(a_hollow_belongs_to_the_piece_around_it)
+{
+    const btVector3 nowhere(0, 0, 0);
+    // Shells in each other, and a hollow box in the hole of a ring, whose box contains it.
+    qcFractureDef shells = qcBoxToBreak(10, 10, 10), ring = qcTorusToBreak(32, 16, 4, 1);
+    qcAddToBreak(&shells, qcBoxToBreak(9, 9, 9, true), nowhere);
+    qcFractureDef* const models[] = {&shells, &ring};
+    const double outer[] = {8000 - 5832, qcVolumeOf(ring.vertices, ring.indices)};
+    for (int i = 0; i < 2; i++)
+    {
+        qcAddToBreak(models[i], qcBoxToBreak(0.9, 0.9, 0.9, true), nowhere);
+        qcAddToBreak(models[i], qcBoxToBreak(1, 1, 1), nowhere);
+        models[i]->sites = {nowhere};
+        const qcFracture fracture = qcFracture_Split(*models[i]);
+        ck_assert_uint_eq(fracture.pieces.size(), 2);
+        for (const qcPiece& piece : fracture.pieces)
+        {
+            const double expected = piece.volume > 10 ? outer[i] : 8 - 5.832;
+            ck_assert_double_eq_tol(piece.volume, expected, expected * 10 * s_rounding);
+            ck_assert_double_eq_tol(qcVolumeOf(piece.vertices, piece.indices), expected, expected * 40 * s_rounding);
+        }
+    }
+}
+END_TEST
+
+START_TEST(sites_around_an_impact_far_from_zero_are_different)
+{
+    for (double at : {0.0, 1e3, 1e5})
+    {
+        const btVector3 half(1, 1, 1), impact = btScalar(at) * half;
+        std::set<std::array<btScalar, 3>> different;
+        for (const btVector3& site : qcScatterSites(impact - half, impact + half, 3000, 5, &impact))
+            different.insert({site.x(), site.y(), site.z()});
+        ck_assert_uint_eq(different.size(), 3000);
+    }
+    const btVector3 point(1, 2, 3);
+    ck_assert_uint_eq(qcScatterSites(point, point, 3, 1, nullptr).size(), 3); // there is no other place
+}
+END_TEST
+
 START_TEST(the_same_input_gives_the_same_pieces_and_sites_gather_around_an_impact)
 {
     qcFractureDef torus = qcTorusToBreak(24, 12, 1, 0.4);
@@ -352,7 +394,8 @@ END_TEST
 
 QC_RUN_TESTS("fracture", pieces_are_closed_lie_in_their_cells_and_fill_the_mesh, two_islands_in_a_cell_make_two_pieces,
              cuts_through_vertices_and_along_faces_are_closed, cuts_through_flat_sides_leave_no_flat_or_folded_triangle,
-             triangles_back_to_back_are_dropped, hollows_make_holes_in_cuts,
+             triangles_back_to_back_are_dropped, hollows_make_holes_in_cuts, a_hollow_belongs_to_the_piece_around_it,
+             sites_around_an_impact_far_from_zero_are_different,
              the_same_input_gives_the_same_pieces_and_sites_gather_around_an_impact,
              momentum_and_angular_momentum_are_kept, pieces_of_a_very_light_body_are_not_static,
              a_piece_that_is_partly_inside_out_has_its_centre_inside_and_rotates_about_each_axis,

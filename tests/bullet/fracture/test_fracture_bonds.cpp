@@ -114,18 +114,6 @@ double SharedArea(const qcFractureDef& def, const qcPiece& a, const qcPiece& b)
     return area;
 }
 
-double CutAreaOf(const qcPiece& piece)
-{
-    double area = 0;
-    for (size_t i = 3 * size_t(piece.firstCutTriangle); i < piece.indices.size(); i += 3)
-    {
-        const btVector3 &a = piece.vertices[piece.indices[i]], &b = piece.vertices[piece.indices[i + 1]],
-                        &c = piece.vertices[piece.indices[i + 2]];
-        area += double((b - a).cross(c - a).length()) / 2;
-    }
-    return area;
-}
-
 /// Checks all bonds of a mesh about 2 long, with and without a bond.
 void CheckBonds(const qcFractureDef& def, const char* what)
 {
@@ -137,7 +125,7 @@ void CheckBonds(const qcFractureDef& def, const char* what)
     double sum = 0, cuts = 0;
     for (uint32_t a = 0; a < fracture.pieces.size(); a++)
     {
-        cuts += CutAreaOf(fracture.pieces[a]);
+        cuts += qcCutAreaOf(fracture.pieces[a]);
         for (uint32_t b = a + 1; b < fracture.pieces.size(); b++)
         {
             double expected = SharedArea(def, fracture.pieces[a], fracture.pieces[b]);
@@ -253,6 +241,59 @@ START_TEST(cells_with_two_pieces_on_both_sides_of_a_cut_have_a_bond_for_each_sid
     ck_assert_uint_eq(fracture.pieces.size(), 6); // the inner two cells hold two each
     ck_assert_uint_eq(fracture.bonds.size(), 6);
     CheckBonds(torus, "ring");
+}
+END_TEST
+
+START_TEST(bonds_join_only_pieces_that_touch)
+{
+    // Bars side by side, each cut once: the cut goes through the diagonals of their sides, where triangles have no
+    // area.
+    for (bool isTurned : {false, true})
+    {
+        qcFractureDef bars;
+        for (int i = 0; i < 4; i++)
+            qcAddToBreak(&bars, qcBoxToBreak(0.5, 1, 0.5), btVector3(btScalar(2 * i), 0, 0));
+        bars.sites = {btVector3(3, -1, 0), btVector3(3, 1, 0)};
+        const btMatrix3x3 turn(btQuaternion(btVector3(1, 2, 3).normalized(), btScalar(isTurned ? 0.7 : 0)));
+        for (std::vector<btVector3>* points : {&bars.vertices, &bars.sites})
+            for (btVector3& point : *points)
+                point = turn * point;
+        const qcFracture fracture = qcFracture_Split(bars);
+        ck_assert_uint_eq(fracture.pieces.size(), 8);
+        ck_assert_uint_eq(fracture.bonds.size(), 4);
+        for (const qcBond& bond : fracture.bonds)
+        {
+            ck_assert_double_eq_tol(bond.area, 1, 20 * s_bondRounding);
+            const btVector3 apart =
+                fracture.pieces[bond.pieceA].frame.getOrigin() - fracture.pieces[bond.pieceB].frame.getOrigin();
+            ck_assert_double_eq_tol(double(apart.length()), 1, 20 * s_bondRounding);
+        }
+    }
+    for (unsigned seed = 1; seed <= 20; seed++)
+    {
+        qcFractureDef comb = qcCombToBreak(4);
+        qcScatterInside(&comb, 8, seed);
+        CheckBonds(comb, "comb");
+    }
+}
+END_TEST
+
+START_TEST(a_cut_in_the_plane_of_a_face_parts_what_stands_on_it)
+{
+    qcFractureDef comb = qcCombToBreak(3);
+    comb.sites = {btVector3(btScalar(2.5), btScalar(0.5), 0), btVector3(btScalar(2.5), btScalar(1.5), 0)};
+    const qcFracture fracture = qcFracture_Split(comb);
+    ck_assert_uint_eq(fracture.pieces.size(), 4);
+    ck_assert_uint_eq(fracture.bonds.size(), 3);
+    for (const qcBond& bond : fracture.bonds)
+        ck_assert_double_eq_tol(bond.area, 2, 20 * s_bondRounding);
+    for (const qcPiece& piece : fracture.pieces)
+    {
+        ck_assert(qcIsClosed(piece));
+        ck_assert_double_eq_tol(piece.volume, piece.site == 0 ? 10 : 4, 20 * s_bondRounding);
+        // The bottoms of the notches stay the mesh's surface.
+        ck_assert_double_eq_tol(qcCutAreaOf(piece), piece.site == 0 ? 6 : 2, 20 * s_bondRounding);
+    }
 }
 END_TEST
 
@@ -397,6 +438,13 @@ START_TEST(bonds_beyond_the_reach_of_infinite_energy_or_behind_those_hold)
     qcImpact impact = {13, btVector3(0, 0, 0), 1e9, btScalar(0.6)};
     ck_assert_double_eq_tol(qcBreakBonds(fracture, impact, &energies), 6, 1e-4); // the six of the inner cube
     ck_assert_uint_eq(qcFindIslands(fracture, energies).size(), 2);
+    for (double energy : {1e30, s_infinity})
+    {
+        std::vector<double> fresh = qcBondEnergies(fracture, 1);
+        impact.energy = energy;
+        ck_assert_double_eq_tol(qcBreakBonds(fracture, impact, &fresh), 6, 1e-4);
+        ck_assert(fresh == energies);
+    }
     // A wall that never breaks protects what is behind it.
     energies = qcBondEnergies(fracture, 1);
     for (size_t i = 0; i < fracture.bonds.size(); i++)
@@ -475,6 +523,7 @@ END_TEST
 
 QC_RUN_TESTS("fracture bonds", bonds_have_the_areas_that_pieces_share,
              cells_with_two_pieces_on_both_sides_of_a_cut_have_a_bond_for_each_side_of_the_ring,
+             bonds_join_only_pieces_that_touch, a_cut_in_the_plane_of_a_face_parts_what_stands_on_it,
              a_regular_cube_has_bonds_of_equal_area, no_broken_bond_leaves_one_island_and_all_broken_leave_all_pieces,
              islands_partition_the_pieces_as_a_search_does, islands_have_the_mass_properties_of_their_pieces_together,
              an_impact_breaks_near_bonds_first_and_takes_their_energy,

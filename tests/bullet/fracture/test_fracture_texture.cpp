@@ -211,6 +211,40 @@ START_TEST(the_texture_inside_is_planar_in_units_of_length_and_equal_on_both_sid
 }
 END_TEST
 
+START_TEST(far_from_zero_both_sides_of_a_cut_have_equal_coordinates)
+{
+    qcFractureDef def = qcTorusToBreak(24, 12, 1, 0.4);
+    for (btVector3& vertex : def.vertices)
+        vertex += btVector3(3000, -4000, 5000);
+    qcScatterInside(&def, 60, 3);
+    // Coordinates by cut and place: places within 5 mm count as one.
+    std::map<std::array<long, 5>, std::vector<std::array<double, 2>>> seen;
+    const qcFracture fracture = qcFracture_Split(def);
+    size_t equal = 0;
+    for (const qcPiece& piece : fracture.pieces)
+    {
+        const qcPieceTexture texture = qcTexturePiece(def, piece, qcTextureDef());
+        for (size_t t = piece.firstCutTriangle; t < piece.sources.size(); t++)
+            for (size_t c = 0; c < 3; c++)
+            {
+                const Vector p = CornerOf(piece, t, c);
+                const auto [low, high] = std::minmax(piece.site, piece.sources[t]);
+                auto& here = seen[{long(low), long(high), std::lround(p[0] * 200), std::lround(p[1] * 200),
+                                   std::lround(p[2] * 200)}];
+                const float* at = &texture.coordinates[6 * t + 2 * c];
+                for (const auto& other : here)
+                {
+                    equal++;
+                    ck_assert_double_eq_tol(other[0], double(at[0]), 0.01);
+                    ck_assert_double_eq_tol(other[1], double(at[1]), 0.01);
+                }
+                here.push_back({double(at[0]), double(at[1])});
+            }
+    }
+    ck_assert_uint_gt(equal, 100);
+}
+END_TEST
+
 START_TEST(a_texture_of_another_mesh_is_refused)
 {
     qcFractureDef def = TexturedModels()[0], coarse = qcBoxToBreak(1, 1, 1);
@@ -250,4 +284,4 @@ QC_RUN_TESTS("fracture_texture", outer_triangles_cover_the_triangle_of_the_mesh_
              triangles_in_cuts_lie_halfway_between_their_site_and_the_one_they_name,
              the_surface_keeps_its_materials_and_its_texture,
              the_texture_inside_is_planar_in_units_of_length_and_equal_on_both_sides_of_a_cut,
-             a_texture_of_another_mesh_is_refused)
+             far_from_zero_both_sides_of_a_cut_have_equal_coordinates, a_texture_of_another_mesh_is_refused)

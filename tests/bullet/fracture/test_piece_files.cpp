@@ -275,6 +275,12 @@ START_TEST(pieces_that_were_changed_wrongly_are_not_saved)
     wrong = fracture;
     wrong.pieces[0].vertices[2][1] = std::numeric_limits<btScalar>::quiet_NaN();
     refuse(wrong, "piece 0: vertex 2 is not finite");
+    for (double volume : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()})
+    {
+        wrong = fracture;
+        wrong.pieces[1].volume = volume;
+        refuse(wrong, "piece 1: its volume");
+    }
     wrong = fracture;
     wrong.pieces[2].sources.pop_back();
     refuse(wrong, "piece 2: ");
