@@ -121,14 +121,17 @@ bool IsOnlyRead(const btCollisionObject* object)
     return read;
 }
 
-/// Whether several threads may cast at once.
-bool MayThread(const btCollisionWorld& world)
+/// Threads that may cast at once. O(objects) for more than one.
+unsigned ThreadsFor(const btCollisionWorld& world, const qcCastDef& def, size_t count)
 {
+    const unsigned threads = count > s_blockSize ? qcWorkersOf(def.threads) : 1;
+    if (threads == 1 || dynamic_cast<const qcBroadphase*>(world.getBroadphase()) == nullptr)
+        return 1;
     const btCollisionObjectArray& objects = world.getCollisionObjectArray();
-    bool may = dynamic_cast<const qcBroadphase*>(world.getBroadphase()) != nullptr;
-    for (int i = 0; i < objects.size() && may; i++)
-        may = IsOnlyRead(objects[i]);
-    return may;
+    bool areRead = true;
+    for (int i = 0; i < objects.size() && areRead; i++)
+        areRead = IsOnlyRead(objects[i]);
+    return areRead ? threads : 1;
 }
 
 /// Calls cast(i) for each index below `count`; its result becomes hits[i] once all have returned.
@@ -136,8 +139,7 @@ template <typename Cast>
 qcStatus ForEach(const btCollisionWorld& world, const qcCastDef& def, size_t count, qcCastHit* hits, const Cast& cast)
 {
     std::vector<qcCastHit> found(count);
-    qcForEach(MayThread(world) ? qcWorkersOf(def.threads) : 1, count, s_blockSize,
-              [&](size_t i, uint32_t) { found[i] = cast(i); });
+    qcForEach(ThreadsFor(world, def, count), count, s_blockSize, [&](size_t i, uint32_t) { found[i] = cast(i); });
     std::copy(found.begin(), found.end(), hits);
     return qc_statusOk;
 }

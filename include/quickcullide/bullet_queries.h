@@ -63,8 +63,9 @@ struct qcCastDef
 /// Thread-safety: call it where rayTest may be called: between steps, on one thread or on several at once; nothing may
 /// change the world meanwhile. Several threads are used if the world's broadphase is a qcBroadphase; set
 /// qcCastDef::threads to 1 while that is recorded. With Bullet's own broadphases, whose ray tests share a stack, all
-/// queries stay on the calling thread. Shapes of your own, and a profiler of your own
-/// (btSetCustomEnterProfileZoneFunc), are called on these threads; they must not throw.
+/// queries stay on the calling thread; so they do while the world has a btGImpactMeshShape, or a soft body at whose
+/// faces no ray has been cast yet: Bullet's tests of these are not for several threads. Shapes of your own, and a
+/// profiler of your own (btSetCustomEnterProfileZoneFunc), are called on these threads; they must not throw.
 QC_API qcStatus qcCastRays(const btCollisionWorld* world, const qcRay* rays, size_t count, qcCastHit* hits,
                            const qcCastDef& def = qcCastDef());
 

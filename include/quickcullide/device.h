@@ -111,7 +111,9 @@ typedef struct qcDeviceInfo
 /// in a child of a process that has opened OSMesa: such a child must end with _exit() or exec.
 QC_API qcStatus qcDevice_Create(const qcDeviceDef* def, qcDevice** device);
 
-/// Closes a device. Destroy the scenes that use it first. Null is allowed.
+/// Closes a device. Destroy the scenes that use it first. Null is allowed. In exit handlers and destructors of static
+/// objects, too: once the process ends, no function of GL is called, and what needs the device returns
+/// qc_statusDeviceLost.
 QC_API void qcDevice_Destroy(qcDevice* device);
 
 /// Fills `info` with the device's properties. O(1).

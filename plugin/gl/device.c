@@ -115,16 +115,38 @@ static void ReadLimits(qcDevice* device)
 }
 
 /// Opens a context and finds its identity. On failure none is open.
+/// A process that ends: drivers' own handlers have run, or are about to, and their functions may crash.
+static atomic_bool s_isExiting;
+static pthread_once_t s_watchExit = PTHREAD_ONCE_INIT;
+
+static void NoteExit(void)
+{
+    atomic_store(&s_isExiting, true);
+}
+
+static void WatchExit(void)
+{
+    (void)atexit(NoteExit);
+}
+
+static void CloseContext(qcDevice* device)
+{
+    if (!atomic_load(&s_isExiting))
+        s_kinds[device->kind].close(&device->context);
+}
+
 static qcStatus OpenContext(qcDevice* device, qcGpuIdentity* gpu)
 {
     QC_TRY(s_kinds[device->kind].open(&device->choice, &device->context));
+    // After the driver has registered its handlers: they run after later ones.
+    pthread_once(&s_watchExit, WatchExit);
     device->gl = (struct qcGlFunctions){.programs = &device->programs};
     device->programs = (struct qcGlPrograms){.cacheFolder = device->cacheFolder, .opener = s_kinds[device->kind].name};
     qcStatus status = qcGlFunctions_Load(&device->gl, device->context.getFunction);
     if (status == qc_statusOk)
         status = qcContext_Identify(&device->context, gpu);
     if (status != qc_statusOk)
-        s_kinds[device->kind].close(&device->context);
+        CloseContext(device);
     return status;
 }
 
@@ -136,7 +158,7 @@ static qcStatus OpenSameContext(qcDevice* device)
     if (strcmp(gpu.renderer, device->gpu.renderer) == 0 && strcmp(gpu.version, device->gpu.version) == 0 &&
         strcmp(gpu.vendor, device->gpu.vendor) == 0 && memcmp(gpu.uuid, device->gpu.uuid, sizeof gpu.uuid) == 0)
         return qc_statusOk;
-    s_kinds[device->kind].close(&device->context);
+    CloseContext(device);
     return qcFail(qc_statusDevice, "in place of %s there is %s", device->gpu.renderer, gpu.renderer);
 }
 
@@ -188,7 +210,7 @@ static void ReopenLost(qcDevice* device, bool* hasContext)
 {
     qcHandOver_Unlock(&device->handOver);
     if (*hasContext)
-        s_kinds[device->kind].close(&device->context);
+        CloseContext(device);
     qcStatus status = OpenSameContext(device);
     if (status == qc_statusOk)
         qcLog("device %s: opened again after its context was lost", s_kinds[device->kind].name);
@@ -252,7 +274,7 @@ static void* ServeCallers(void* argument)
     }
     qcHandOver_Unlock(&device->handOver);
     if (hasContext)
-        s_kinds[device->kind].close(&device->context);
+        CloseContext(device);
     return NULL;
 }
 
@@ -525,6 +547,8 @@ qcStatus qcDevice_RunIn(qcDevice* device, uint32_t generation, qcDeviceJob* job,
         return qcFail(qc_statusDevice, "%s: the device none has no GL", purpose);
     if (IsInOtherProcess(device))
         return FailInOtherProcess(device, purpose);
+    if (atomic_load(&s_isExiting))
+        return qcFail(qc_statusDeviceLost, "%s: the process ends", purpose);
     // A job must not run a job: it would wait for itself.
     assert(!device->open || !pthread_equal(pthread_self(), device->thread));
 

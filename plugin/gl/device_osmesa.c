@@ -65,23 +65,6 @@ static void LoadLibrary(void)
         snprintf(s_osmesa.error, sizeof s_osmesa.error, "libOSMesa lacks OSMesaCreateContextAttribs (Mesa 11.2)");
 }
 
-/// Mesa's exit handlers have run, or are about to: its functions crash.
-static bool s_isExiting;
-static pthread_once_t s_watchExit = PTHREAD_ONCE_INIT;
-
-static void NoteExit(void)
-{
-    pthread_mutex_lock(&s_mutex);
-    s_isExiting = true;
-    pthread_mutex_unlock(&s_mutex);
-}
-
-/// Once Mesa has registered its own handlers, which run after later ones.
-static void WatchExit(void)
-{
-    atexit(NoteExit);
-}
-
 static void* CreateContext(int major, int minor, void* share)
 {
     const int attributes[] = {qc_osmesaFormat,
@@ -124,7 +107,6 @@ qcStatus qcOpenOsmesaContext(const qcGpuChoice* choice, qcContext* context)
             s_osmesa.DestroyContext(handle);
     }
     pthread_mutex_unlock(&s_mutex);
-    pthread_once(&s_watchExit, WatchExit);
 
     if (handle == NULL)
         return qcFail(qc_statusDevice, "OSMesa gives no context of GL 3.3 core");
@@ -137,10 +119,7 @@ qcStatus qcOpenOsmesaContext(const qcGpuChoice* choice, qcContext* context)
 void qcCloseOsmesaContext(qcContext* context)
 {
     pthread_mutex_lock(&s_mutex);
-    if (!s_isExiting)
-    {
-        s_osmesa.MakeCurrent(NULL, NULL, 0, 0, 0);
-        s_osmesa.DestroyContext(context->handle);
-    }
+    s_osmesa.MakeCurrent(NULL, NULL, 0, 0, 0);
+    s_osmesa.DestroyContext(context->handle);
     pthread_mutex_unlock(&s_mutex);
 }

@@ -5,13 +5,22 @@
 #include "bullet/mesh/soup_model.h"
 #include "bullet/thread_scheduler.h"
 
+#include <BulletCollision/Gimpact/btGImpactShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
-#include <btBulletCollisionCommon.h>
+#include <BulletSoftBody/btSoftBodyHelpers.h>
+#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
+#include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
+#include <chrono>
+#include <condition_variable>
 #include <cstring>
 #include <limits>
 #include <map>
+#include <mutex>
+#include <set>
+#include <thread>
 
 // After the standard headers: check defines a macro named fail.
 #include "support/suite.h"
@@ -378,6 +387,92 @@ START_TEST(a_batch_of_rays_has_the_hits_of_single_rays_on_any_number_of_threads)
 }
 END_TEST
 
+/// A ball that notes which threads cast at it. In a call that is not among the first, which the caller of a loop may
+/// make alone, a thread waits for a second one, up to some time.
+struct NotingBall : btSphereShape
+{
+    explicit NotingBall(std::chrono::milliseconds given) : btSphereShape(btScalar(0.5)), wait(given)
+    {
+    }
+    btVector3 localGetSupportingVertexWithoutMargin(const btVector3& direction) const override
+    {
+        std::unique_lock<std::mutex> lock(mutex);
+        threads.insert(std::this_thread::get_id());
+        second.notify_all();
+        if (++calls == 1000)
+            second.wait_for(lock, wait, [this] { return threads.size() > 1; });
+        return btSphereShape::localGetSupportingVertexWithoutMargin(direction);
+    }
+
+    mutable std::mutex mutex;
+    mutable std::condition_variable second;
+    mutable std::set<std::thread::id> threads;
+    mutable int calls = 0;
+    const std::chrono::milliseconds wait;
+};
+
+/// Whether a batch of rays at a ball in a world takes several threads, if it `should`; its hits are those of one
+/// thread.
+bool TakesThreads(btCollisionWorld* world, bool should)
+{
+    NotingBall ball(std::chrono::milliseconds(should ? 10000 : 200));
+    btCollisionObject object;
+    object.setCollisionShape(&ball);
+    world->addCollisionObject(&object);
+    qcRandom random = {21};
+    std::vector<qcRay> rays(4000);
+    for (qcRay& ray : rays)
+        ray = {PointBetween(&random, -2, 2), PointBetween(&random, -0.3, 0.3)};
+    std::vector<qcCastHit> hits(rays.size()), expected(rays.size());
+    qcCastDef def, single;
+    def.threads = 4;
+    single.threads = 1;
+    ck_assert(qcCastRays(world, rays.data(), rays.size(), hits.data(), def) == qc_statusOk);
+    const bool takes = ball.threads.size() > 1;
+    ck_assert(qcCastRays(world, rays.data(), rays.size(), expected.data(), single) == qc_statusOk);
+    for (size_t i = 0; i < rays.size(); i++)
+        CheckSame(hits[i], expected[i]);
+    world->removeCollisionObject(&object);
+    return takes;
+}
+
+START_TEST(a_batch_takes_one_thread_where_bullets_tests_are_not_for_several)
+{
+    qcThreadScheduler scheduler(4);
+    ck_assert(qcSetTaskScheduler(&scheduler) == qc_statusOk);
+    btSoftBodyRigidBodyCollisionConfiguration configuration;
+    btCollisionDispatcher dispatcher(&configuration);
+    btSequentialImpulseConstraintSolver solver;
+    qcBroadphase broadphase;
+    btSoftRigidDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+    ck_assert(TakesThreads(&world, true));
+    // Bullet counts the readers of such a mesh, not atomically.
+    btTriangleMesh triangles;
+    triangles.addTriangle(btVector3(0, 0, 0), btVector3(1, 0, 0), btVector3(0, 1, 0));
+    btGImpactMeshShape mesh(&triangles);
+    mesh.updateBound();
+    btCompoundShape compound;
+    compound.addChildShape(btTransform::getIdentity(), &mesh);
+    for (btCollisionShape* shape : {static_cast<btCollisionShape*>(&mesh), static_cast<btCollisionShape*>(&compound)})
+    {
+        btCollisionObject object;
+        object.setCollisionShape(shape);
+        world.addCollisionObject(&object);
+        ck_assert(!TakesThreads(&world, false));
+        world.removeCollisionObject(&object);
+    }
+    // The first ray at a soft body builds its tree of faces.
+    std::unique_ptr<btSoftBody> cloth(btSoftBodyHelpers::CreatePatch(world.getWorldInfo(), btVector3(-1, 0, -1),
+                                                                     btVector3(1, 0, -1), btVector3(-1, 0, 1),
+                                                                     btVector3(1, 0, 1), 8, 8, 0, true));
+    world.addSoftBody(cloth.get());
+    ck_assert(!TakesThreads(&world, false));
+    ck_assert(TakesThreads(&world, true));
+    world.removeSoftBody(cloth.get());
+    qcSetTaskScheduler(nullptr);
+}
+END_TEST
+
 START_TEST(a_batch_of_sweeps_has_the_hits_of_single_sweeps)
 {
     MeshWorld mesh(qcSphereModel(0.5, 3));
@@ -468,5 +563,6 @@ QC_RUN_TESTS("mesh_casts", the_closest_hit_of_a_sweep_is_that_of_all_triangles_t
              a_cast_of_ones_own_receives_each_triangle_that_it_hits, no_ray_slips_through_an_edge_or_a_vertex,
              rays_hit_each_triangle_that_bullets_test_of_it_hits,
              a_batch_of_rays_has_the_hits_of_single_rays_on_any_number_of_threads,
+             a_batch_takes_one_thread_where_bullets_tests_are_not_for_several,
              a_batch_of_sweeps_has_the_hits_of_single_sweeps, filters_of_a_batch_are_those_of_single_calls,
              bad_input_of_a_batch_is_refused_and_nothing_is_written)
