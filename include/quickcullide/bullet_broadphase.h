@@ -20,6 +20,8 @@ class btIDebugDraw;
 /// Pairs: after each calculateOverlappingPairs the pair cache holds exactly the pairs whose closed boxes overlap
 /// (TestAabbAgainstAabb2) and whose filters agree. Other pairs are removed with the dispatcher, which destroys their
 /// algorithms and manifolds. The order of pairs depends only on the calls made, not on addresses, threads or time.
+/// Pairs that the application itself adds to the cache or removes from it are put right in the next call if the number
+/// of pairs is another one then.
 ///
 /// Filters: groups and masks may change at any time. They are read once a step when the object's box is set; a change
 /// after that takes effect in the next step. Each step also reads 4096 filters of objects whose boxes are not set, such

@@ -36,8 +36,8 @@ struct qcSoftBodySettings
     /// worked apart if both settings are true.
     bool untangle = true;
     /// Coulomb friction. Two bodies use the mean of both; a rigid body has btRigidBody's own. -1: 0.3, unless the
-    /// application has set Bullet's m_cfg.kDF to another value than Bullet's default, 0.2. Then it is kDF, and against a
-    /// rigid body kDF times that body's friction, as in Bullet.
+    /// application has set Bullet's m_cfg.kDF to another value than Bullet's default, 0.2. Then it is kDF, and against
+    /// a rigid body kDF times that body's friction, as in Bullet.
     btScalar friction = -1;
     /// Contact with the shapes of rigid bodies is left to Bullet, but for qcMeshShape: nodes are tested by themselves,
     /// at the end of a step. Edges and faces then have no contact with these shapes, and fast cloth passes them.
@@ -60,7 +60,7 @@ struct qcSoftBodyStatistics
     /// one rigid body. Many in each step: cloth is squeezed between meshes, or too thin for the step.
     int zoneNodes = 0;
     int frozenNodes = 0; ///< deprecated: equal to zoneNodes
-    int remaining = 0;   ///< pairs that may penetrate at the end of the step: exempt and unproven ones
+    int remaining = 0;   ///< pairs that penetrate at the end of the step: some of the exempt and unproven ones
     int exempt = 0;      ///< pairs tangled since the start of the step, which are untangled over several steps
     /// Pairs that are not proven apart over the step, though they were apart at its start: only kinematic meshes that
     /// leave no room do this.
