@@ -101,19 +101,6 @@ class Path
         return {m_mesh.TurnBack(up), -std::max(MaxAt(0, down), MaxAt(1, down)) - qcDotOf(up, m_mesh.origin) - m_error};
     }
 
-    /// The gap between a triangle of the mesh and the hull at the start, along a direction in the mesh's frame.
-    double GapAtStart(const qcDoubleVector& direction, const qcDoubleVector corners[3]) const
-    {
-        const qcDoubleVector up = m_mesh.Turn(direction), along = m_mesh.TurnBack(up);
-        const double top =
-            std::max({qcDotOf(along, corners[0]), qcDotOf(along, corners[1]), qcDotOf(along, corners[2])});
-        return -MaxAt(0, Negated(up)) - qcDotOf(up, m_mesh.origin) - top;
-    }
-    double Error() const
-    {
-        return m_error;
-    }
-
     /// True if the middle of the path is above the plane through a point of the mesh.
     bool IsMiddleAbove(const qcDoubleVector& direction, const qcDoubleVector& point) const
     {
@@ -155,27 +142,25 @@ class Path
 class PathTest : public btTriangleCallback
 {
   public:
-    /// The hull in the mesh's frame, up to rounding. `blocks`: or null; corners and normals are in the mesh's frame.
-    PathTest(const Path& path, const qcPlacedSupport& start, const qcPlacedSupport& end,
-             std::vector<qcPathBlock>* blocks)
-        : m_path(path), m_placed{start, end}, m_blocks(blocks),
+    /// The hull in the mesh's frame, up to rounding.
+    PathTest(const Path& path, const qcPlacedSupport& start, const qcPlacedSupport& end)
+        : m_path(path), m_placed{start, end},
           m_productsOfPlane(s_productsOfPlane +
                             2 * int(std::min(size_t(start.mesh->Triangles().pointCount), s_maxRead)))
     {
     }
 
-    void processTriangle(btVector3* triangle, int, int index) override
+    void processTriangle(btVector3* triangle, int, int) override
     {
         const qcDoubleVector corners[3] = {qcDoubleVectorOf(triangle[0]), qcDoubleVectorOf(triangle[1]),
                                            qcDoubleVectorOf(triangle[2])};
         m_products += s_productsOfTriangle;
         // Mostly the plane of the triangle before does.
-        isKnown = isKnown && m_products <= s_maxProducts &&
-                  (m_plane.IsAbove(corners) || FindOwnPlane(corners) || FindPlaneBetween(triangle, corners) ||
-                   AddBlock(triangle, corners, index));
+        isClear = isClear && m_products <= s_maxProducts &&
+                  (m_plane.IsAbove(corners) || FindOwnPlane(corners) || FindPlaneBetween(triangle, corners));
     }
 
-    bool isKnown = true; ///< false: neither clear nor blocked
+    bool isClear = true;
 
   private:
     bool Take(const qcDoubleVector& direction, const qcDoubleVector corners[3])
@@ -216,100 +201,39 @@ class PathTest : public btTriangleCallback
         return !sum.fuzzyZero() && Take(qcDoubleVectorOf(sum.normalized()), corners);
     }
 
-    /// False: no plane is between the hull and the triangle at the start.
-    bool AddBlock(const btVector3 triangle[3], const qcDoubleVector corners[3], int index)
-    {
-        if (m_blocks == nullptr)
-            return false;
-        // The triangle's own normal leads out of what it bounds.
-        qcDoubleVector normal = {0, 0, 0};
-        double gap = 0;
-        const qcDoubleVector cross = qcCrossOf(qcMinus(corners[1], corners[0]), qcMinus(corners[2], corners[0]));
-        if (const double length = LengthOf(cross); length > 0)
-        {
-            const qcDoubleVector own = {cross[0] / length, cross[1] / length, cross[2] / length};
-            for (const qcDoubleVector& side : {own, Negated(own)})
-                TakeGap(side, corners, &normal, &gap);
-        }
-        if (!(gap > 0))
-        {
-            const qcSeparation apart = qcSeparateFromTriangle(m_placed[0], triangle, btVector3(0, 0, 0));
-            if (apart.gap > 0)
-                TakeGap(qcDoubleVectorOf(-apart.axis), corners, &normal, &gap);
-        }
-        if (!(gap > 2 * m_path.Error()))
-            return false;
-        const btVector3 local = qcVectorOf(normal.data());
-        m_blocks->push_back({0,
-                             0,
-                             uint32_t(index),
-                             {triangle[0], triangle[1], triangle[2]},
-                             local,
-                             btScalar(gap),
-                             btScalar(m_path.Error())});
-        return true;
-    }
-
-    void TakeGap(const qcDoubleVector& direction, const qcDoubleVector corners[3], qcDoubleVector* normal, double* gap)
-    {
-        m_products += m_productsOfPlane;
-        const double along = m_path.GapAtStart(direction, corners);
-        if (along > *gap)
-        {
-            *normal = direction;
-            *gap = along;
-        }
-    }
-
     const Path& m_path;
     const qcPlacedSupport m_placed[2];
-    std::vector<qcPathBlock>* const m_blocks;
     Path::Plane m_plane{{0, 0, 0}, 0}; ///< above the last triangle; at first above none
     const int m_productsOfPlane;
     int m_products = 0;
 };
 
-/// Appends the blocks of a hull and a mesh. False: the path is unknown.
-bool FindBlocks(const qcSupportMesh& hull, const btTransform& start, const btTransform& end, const qcMeshShape& mesh,
-                const btTransform& place, std::vector<qcPathBlock>* blocks)
+bool PassesNone(const qcSupportMesh& hull, const btTransform& start, const btTransform& end, const qcMeshShape& mesh,
+                const btTransform& place)
 {
     btVector3 lower, upper;
     mesh.getAabb(btTransform::getIdentity(), lower, upper);
     const Path path(hull, start, end, place, LengthOf(qcDoubleVectorOf(lower)) + LengthOf(qcDoubleVectorOf(upper)));
     path.FindBox(&lower, &upper);
-    PathTest test(path, {&hull, place.inverseTimes(start)}, {&hull, place.inverseTimes(end)}, blocks);
+    PathTest test(path, {&hull, place.inverseTimes(start)}, {&hull, place.inverseTimes(end)});
     mesh.processAllTriangles(&test, lower, upper);
-    return test.isKnown;
+    return test.isClear;
 }
 } // namespace
 
-qcPath qcFindPath(const qcSweptObject& moving, const qcSweptObject& still, std::vector<qcPathBlock>* blocks)
+bool qcHasClearPath(const qcSweptObject& moving, const qcSweptObject& still)
 {
-    bool isKnown = !moving.hulls.empty() && !still.moves && still.cores == nullptr;
-    uint32_t meshNumber = 0;
-    auto find = [&](const btCollisionShape* simple, const btTransform& local)
+    bool isClear = !moving.hulls.empty() && !still.moves && still.cores == nullptr;
+    auto test = [&](const btCollisionShape* simple, const btTransform& local)
     {
         const qcMeshShape* mesh = qcAsMeshShape(simple);
         const btTransform place = still.start * local;
-        isKnown = isKnown && mesh != nullptr;
-        for (uint32_t h = 0; isKnown && h < moving.hulls.size(); h++)
-        {
-            const qcSweptHull& hull = moving.hulls[h];
-            const size_t before = blocks != nullptr ? blocks->size() : 0;
-            isKnown = FindBlocks(*hull.mesh, moving.start * hull.local, moving.end * hull.local, *mesh, place, blocks);
-            for (size_t i = before; blocks != nullptr && i < blocks->size(); i++)
-            {
-                qcPathBlock& block = (*blocks)[i];
-                block.hull = h;
-                block.mesh = meshNumber;
-                block.normal = (place.getBasis() * block.normal).normalized();
-                for (btVector3& corner : block.corners)
-                    corner = local * corner;
-            }
-        }
-        meshNumber++;
+        isClear = isClear && mesh != nullptr;
+        for (const qcSweptHull& hull : moving.hulls)
+            isClear =
+                isClear && PassesNone(*hull.mesh, moving.start * hull.local, moving.end * hull.local, *mesh, place);
     };
-    if (isKnown)
-        qcForEachSimpleShape(still.object->getCollisionShape(), btTransform::getIdentity(), find);
-    return !isKnown ? qcPath::unknown : blocks == nullptr || blocks->empty() ? qcPath::clear : qcPath::blocked;
+    if (isClear)
+        qcForEachSimpleShape(still.object->getCollisionShape(), btTransform::getIdentity(), test);
+    return isClear;
 }

@@ -59,13 +59,6 @@ bool HasCores(const qcSweptPair& pair)
     return pair.first->cores != nullptr || pair.second->cores != nullptr;
 }
 
-/// True if what is tested of an object fills its hulls.
-bool IsConvex(const qcSweptObject& swept)
-{
-    return std::all_of(swept.hulls.begin(), swept.hulls.end(),
-                       [](const qcSweptHull& hull) { return hull.mesh->IsConvex(); });
-}
-
 /// True if the application moves the object.
 bool IsSwept(const qcSweptObject& swept)
 {
@@ -276,12 +269,6 @@ std::vector<qcClosingPair> qcMotionLimiter::ClosingPairs() const
     return closing;
 }
 
-void qcMotionLimiter::NoteStopped(const qcSweptPair& pair)
-{
-    m_stopped.insert(qcNumbersOf(pair));
-    pair.first->isStopped = pair.second->isStopped = true;
-}
-
 /// Adds planes for the pairs of triangles that are not proven apart. Where faces of two objects lie on each other,
 /// planes between these part their other triangles, too, whose directions are less certain.
 void qcMotionLimiter::AddPlanes()
@@ -296,7 +283,7 @@ void qcMotionLimiter::AddPlanes()
         if (triangles.meet && !triangles.FaceEachOther() && facing.count(numbers) > 0)
             continue;
         triangles.AddPlane(&m_planes);
-        NoteStopped(triangles.Objects());
+        m_stopped.insert(numbers);
     }
 }
 
@@ -364,7 +351,6 @@ void qcMotionLimiter::Cut(int round)
         if (part >= 0 && round >= s_maxCommon)
             Hold(block.pair);
         m_cut.insert(numbers);
-        block.pair.first->isStopped = block.pair.second->isStopped = true;
     }
     m_objects.MoveMultiBodies();
     m_islands.Move();
@@ -460,16 +446,12 @@ void qcMotionLimiter::LookUp(qcSweptObject* swept)
 void qcMotionLimiter::RemovePairs(size_t block, const std::function<bool(size_t)>& isProven)
 {
     m_isProven.resize(m_pairs.size());
-    m_blocks.resize(std::max(m_blocks.size(), m_pairs.size()));
     qcForEach(qcWorkersOf(m_settings.threads), m_pairs.size(), block,
               [&](size_t i, uint32_t) { m_isProven[i] = isProven(i); });
     size_t kept = 0;
     for (size_t i = 0; i < m_pairs.size(); i++)
         if (!m_isProven[i])
-        {
-            m_blocks[kept].swap(m_blocks[i]);
             m_pairs[kept++] = m_pairs[i];
-        }
     m_pairs.resize(kept);
 }
 
@@ -489,51 +471,14 @@ void qcMotionLimiter::SkipProvenPairs()
 }
 
 /// Leaves out the pairs of a hull and meshes that stay, where one plane is between it and each triangle near its path.
-/// Where there is one at the start only, and the hull can be pushed, finds blocks, if `pushes`: not of a hull with a
-/// hole, which what it falls over may enter.
-void qcMotionLimiter::SkipClearPairs(bool pushes)
+void qcMotionLimiter::SkipClearPairs()
 {
-    auto isClear = [this, pushes](size_t i)
+    auto isClear = [this](size_t i)
     {
         const qcSweptObject &a = *m_pairs[i].first, &b = *m_pairs[i].second;
-        m_blocks[i].clear();
-        if (m_inner.count(qcNumbersOf(m_pairs[i])) > 0)
-            return false;
-        for (const auto& [moving, still] : {std::make_pair(&a, &b), std::make_pair(&b, &a)})
-        {
-            const bool findsBlocks = pushes && moving->CanPush() && IsConvex(*moving) && !IsExempt(a, b);
-            const qcPath path = qcFindPath(*moving, *still, findsBlocks ? &m_blocks[i] : nullptr);
-            if (path != qcPath::unknown)
-                return path == qcPath::clear;
-            m_blocks[i].clear();
-        }
-        return false;
+        return m_inner.count(qcNumbersOf(m_pairs[i])) == 0 && (qcHasClearPath(a, b) || qcHasClearPath(b, a));
     };
     RemovePairs(s_hullBlock, isClear);
-}
-
-/// Adds planes for the pairs that have blocks. They take no part in this round's detection: the next round tests their
-/// paths again.
-void qcMotionLimiter::AddBlocks()
-{
-    m_blockedPairs.clear();
-    size_t kept = 0;
-    for (size_t i = 0; i < m_pairs.size(); i++)
-    {
-        const qcSweptPair pair = m_pairs[i];
-        if (m_blocks[i].empty())
-        {
-            m_pairs[kept++] = pair;
-            continue;
-        }
-        qcSweptObject *moving = pair.first->moves ? pair.first : pair.second,
-                      *still = pair.first->moves ? pair.second : pair.first;
-        for (const qcPathBlock& block : m_blocks[i])
-            m_planes.AddBlock(moving, still, block);
-        m_blockedPairs.push_back(pair);
-        NoteStopped(pair);
-    }
-    m_pairs.resize(kept);
 }
 
 void qcMotionLimiter::SortPairs()
@@ -617,11 +562,11 @@ bool qcMotionLimiter::CanPush() const
                        { return triangles.a.swept->CanPush() || triangles.b.swept->CanPush(); });
 }
 
-/// Detects the pairs that are not proven apart and have no blocks, and adds planes for them where `pushes`. Otherwise,
-/// after `cuts` such rounds, or where planes can push none, it cuts them.
+/// Detects the pairs that are not proven apart, and adds planes for them where `pushes`. Otherwise, after `cuts` such
+/// rounds, or where planes can push none, it cuts them.
 qcMotionLimiter::Round qcMotionLimiter::StopPairs(bool pushes, int cuts, std::set<Numbers>* reported)
 {
-    if (m_pairs.empty() && m_blockedPairs.empty() && !m_touching.AnyTouches())
+    if (m_pairs.empty() && !m_touching.AnyTouches())
         return Round::ended;
     const qcResult none{};
     const qcResult* result = &none;
@@ -636,9 +581,6 @@ qcMotionLimiter::Round qcMotionLimiter::StopPairs(bool pushes, int cuts, std::se
         reported->insert(m_scene.NumbersOf(result->pairs[i]));
     for (const qcClosingPair& closing : m_touching.Closing())
         reported->insert(qcNumbersOf(closing.pair));
-    for (const qcSweptPair& pair : m_blockedPairs)
-        reported->insert(qcNumbersOf(pair));
-    const bool canPush = !m_blockedPairs.empty() || m_touching.AnyTouches();
     if (ExchangeCores(*result))
         return Round::exchanged;
     const bool anyNew = CollectMeetings(*result);
@@ -646,8 +588,8 @@ qcMotionLimiter::Round qcMotionLimiter::StopPairs(bool pushes, int cuts, std::se
         return Round::pushed;
     FindUnproven(*result, pushes);
     if (m_unprovenTriangles.empty() && (pushes || ClosingPairs().empty()))
-        return pushes && canPush ? Round::pushed : Round::ended;
-    if (pushes && (canPush || CanPush()))
+        return pushes && m_touching.AnyTouches() ? Round::pushed : Round::ended;
+    if (pushes && (CanPush() || m_touching.AnyTouches()))
     {
         AddPlanes();
         return Round::pushed;
@@ -673,13 +615,12 @@ qcStatus qcMotionLimiter::Certify()
         else
             SkipSettledPairs(reported);
         SkipProvenPairs();
+        SkipClearPairs();
         SortPairs();
-        SkipClearPairs(cuts == 0 && round < s_planeRounds);
         m_unprovenPairs = m_pairs;
         for (qcSweptObject* swept : m_objects.Get())
             swept->certified = swept->end;
         SkipSeparatedPairs();
-        AddBlocks();
         const bool isClosing = !ClosingPairs().empty();
         done = StopPairs(cuts == 0 && round < (isClosing ? s_closingRounds : s_planeRounds), cuts, &reported);
         if (done == Round::pushed)

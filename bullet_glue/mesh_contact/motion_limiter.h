@@ -143,7 +143,6 @@ class qcMotionLimiter
     bool Hold(const qcSweptPair& pair);
     void Release(const qcSweptPair& pair);
     std::vector<qcClosingPair> ClosingPairs() const;
-    void NoteStopped(const qcSweptPair& pair);
     void AddPlanes();
     void EndPlanes();
     void JoinBlocked();
@@ -153,8 +152,7 @@ class qcMotionLimiter
     void WakeNearDeforming() const;
     void RemovePairs(size_t block, const std::function<bool(size_t)>& isProven);
     void SkipProvenPairs();
-    void SkipClearPairs(bool pushes);
-    void AddBlocks();
+    void SkipClearPairs();
     void LookUp(qcSweptObject* swept);
     void SortPairs();
     bool IsSeparated(const qcSweptPair& pair, Touch* touch) const;
@@ -176,9 +174,7 @@ class qcMotionLimiter
     qcSweptScene m_scene;
     std::vector<qcSweptPair> m_pairs;                  ///< to certify
     std::vector<uint8_t> m_isProven;                   ///< by pair; scratch
-    std::vector<std::vector<qcPathBlock>> m_blocks;    ///< by pair, at least
     std::vector<Touch> m_touches;                      ///< likewise
-    std::vector<qcSweptPair> m_blockedPairs;           ///< that planes beside triangles on their paths push
     std::vector<qcSweptPair> m_unprovenPairs;          ///< of the present round, by their objects' numbers
     std::vector<qcSweptTriangles> m_unprovenTriangles; ///< of the last detection
     std::set<Numbers> m_exempt;  ///< objects that penetrate at the start of the step, or can't be kept apart in it

@@ -22,9 +22,9 @@ struct Extreme
 
     Extreme(const qcMotionPlaneSide& side, const btVector3& direction)
     {
-        if (side.hull != nullptr)
+        if (side.isWhole)
         {
-            const qcPlacedSupport hull{side.hull->mesh, side.swept->end * side.hull->local};
+            const qcPlacedSupport hull{side.swept->hull, side.swept->end};
             btVector3 point = hull.VertexAt(hull.mesh->Vertices().FindMax(hull.ToLocal(-direction)));
             height = direction.dot(point);
             arm = point - side.swept->end.getOrigin();
@@ -129,13 +129,6 @@ void SolvePlane(qcMotionPlane* plane)
     plane->arms[1] = highest.arm;
 }
 
-/// The gap that a stopped pair keeps, from its gap at the start.
-btScalar KeptGap(const qcSweptObject& a, const qcSweptObject& b, btScalar atStart)
-{
-    return std::min(atStart, qcMotionFloor * (a.object->getCollisionShape()->getMargin() +
-                                              b.object->getCollisionShape()->getMargin()));
-}
-
 /// Upper bound of the coordinates of two objects at their ends.
 btScalar LargestCoordinate(const qcSweptObject& a, const qcSweptObject& b)
 {
@@ -180,8 +173,6 @@ void qcMotionPlanes::Clear()
 {
     m_planes.clear();
     m_pairs.clear();
-    m_hullPairs.clear();
-    m_blocks.clear();
 }
 
 void qcMotionPlanes::Add(const qcPair& pair, const qcMotionPlaneSide& a, const qcMotionPlaneSide& b,
@@ -189,31 +180,24 @@ void qcMotionPlanes::Add(const qcPair& pair, const qcMotionPlaneSide& a, const q
 {
     if (!m_pairs.insert({pair.bodyA, pair.triangleA, pair.bodyB, pair.triangleB}).second)
         return;
-    AddPlane(a, b, qcVectorOf(nearest.normal),
-             std::max(KeptGap(*a.swept, *b.swept, btScalar(nearest.distance)), qcCornerRounding(*a.swept, *b.swept)));
+    btScalar floor = qcMotionFloor * (a.swept->object->getCollisionShape()->getMargin() +
+                                      b.swept->object->getCollisionShape()->getMargin());
+    qcMotionPlane plane;
+    plane.above = a;
+    plane.below = b;
+    plane.normal = qcVectorOf(nearest.normal);
+    plane.gap = std::max(std::min(btScalar(nearest.distance), floor), qcCornerRounding(*a.swept, *b.swept));
+    plane.pushed = 0;
+    plane.arms[0] = plane.arms[1] = btVector3(0, 0, 0);
+    m_planes.push_back(plane);
 }
 
 void qcMotionPlanes::AddHulls(qcSweptObject* below, qcSweptObject* above, const btVector3& normal, btScalar gap)
 {
-    if (m_hullPairs.insert({below->number, above->number}).second)
-        AddPlane({above, {}, &above->hulls[0]}, {below, {}, &below->hulls[0]}, normal, gap);
-}
-
-void qcMotionPlanes::AddBlock(qcSweptObject* moving, qcSweptObject* still, const qcPathBlock& block)
-{
-    if (!m_blocks.insert({moving->number, block.hull, still->number, block.mesh, block.triangle}).second)
+    if (!m_pairs.insert({below->number, UINT32_MAX, above->number, UINT32_MAX}).second)
         return;
-    qcMotionPlaneSide triangle{still, {}};
-    std::copy(block.corners, block.corners + 3, triangle.corners);
-    AddPlane({moving, {}, &moving->hulls[block.hull]}, triangle, block.normal,
-             std::max(KeptGap(*moving, *still, block.gap), 2 * block.error));
-}
-
-void qcMotionPlanes::AddPlane(const qcMotionPlaneSide& above, const qcMotionPlaneSide& below, const btVector3& normal,
-                              btScalar gap)
-{
     const btVector3 zero(0, 0, 0);
-    m_planes.push_back({above, below, normal, gap, 0, {zero, zero}});
+    m_planes.push_back({{above, {}, true}, {below, {}, true}, normal, gap, 0, {zero, zero}});
 }
 
 void qcMotionPlanes::Solve(int sweeps)

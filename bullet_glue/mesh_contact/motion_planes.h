@@ -4,7 +4,7 @@
 #ifndef QC_GLUE_MESH_CONTACT_MOTION_PLANES_H
 #define QC_GLUE_MESH_CONTACT_MOTION_PLANES_H
 
-#include "mesh_contact/clear_path.h"
+#include "mesh_contact/swept_object.h"
 
 #include <array>
 #include <set>
@@ -26,8 +26,8 @@ btScalar qcCertifiableGap(const qcSweptObject& a, const qcSweptObject& b);
 struct qcMotionPlaneSide
 {
     qcSweptObject* swept;
-    btVector3 corners[3];              ///< of the triangle, in the object's frame
-    const qcSweptHull* hull = nullptr; ///< takes the place of a triangle
+    btVector3 corners[3]; ///< of the triangle, in the object's frame
+    bool isWhole = false; ///< the object's hull takes the place of a triangle
 };
 
 struct qcMotionPlane
@@ -47,11 +47,8 @@ class qcMotionPlanes
     void Clear();
     /// Adds a plane for a pair of triangles, unless it has one.
     void Add(const qcPair& pair, const qcMotionPlaneSide& a, const qcMotionPlaneSide& b, const qcProximity& nearest);
-    /// Adds a plane between two objects that are tested as one hull each, unless there is one. `normal`: from `below`
-    /// to `above`.
+    /// Adds a plane between the hulls of two objects, unless there is one. `normal`: from `below` to `above`.
     void AddHulls(qcSweptObject* below, qcSweptObject* above, const btVector3& normal, btScalar gap);
-    /// Adds a plane between a hull and a triangle on its path, unless there is one.
-    void AddBlock(qcSweptObject* moving, qcSweptObject* still, const qcPathBlock& block);
     /// Gauss-Seidel sweeps over all planes. Moves the ends of free objects.
     void Solve(int sweeps);
     /// Impulses without restitution where planes have pushed pairs that `isStopped` names; kinetic energy doesn't grow.
@@ -64,16 +61,10 @@ class qcMotionPlanes
     }
 
   private:
-    void AddPlane(const qcMotionPlaneSide& above, const qcMotionPlaneSide& below, const btVector3& normal,
-                  btScalar gap);
     static void RemoveApproach(const qcMotionPlane& plane);
 
     std::vector<qcMotionPlane> m_planes;
-    /// Those that have a plane: of triangles by body and number, of hulls by object, of blocks by object, hull or mesh,
-    /// and number.
-    std::set<std::array<uint32_t, 4>> m_pairs;
-    std::set<std::pair<uint32_t, uint32_t>> m_hullPairs;
-    std::set<std::array<uint32_t, 5>> m_blocks;
+    std::set<std::array<uint32_t, 4>> m_pairs; ///< those that have a plane
 };
 
 #endif

@@ -65,7 +65,6 @@ struct qcSweptObject
     btVector3 motion{0, 0, 0}; ///< of the origin in the previous step, for objects that Bullet does not move
     btScalar lost = 0;         ///< part of its own motion that the object has not made in this step
     bool isLimited = false;    ///< it does not end this step where Bullet had moved it
-    bool isStopped = false;    ///< planes or cuts have kept it from another object since its motion was read
     btVector3 lower, upper;    ///< box around the meshes at start and end
     std::vector<qcSweptFloor> floors; ///< of a dynamic body that consists of one small mesh
     /// Empty until the object is near another one, has contact, or its triangles are moved by the application.

@@ -18,14 +18,17 @@
 
 namespace
 {
-// A mesh may reach the core of a convex shape in a step if that moves by more than this part of its half width, less
-// what it is deep in another object already: Bullet's contact, or a push by split impulses, has no say in it.
-constexpr btScalar s_corePart = btScalar(0.1);
+// Bullet's contact pushes a convex shape back to the side of a mesh from which it comes, unless it moves by more than
+// this part of its core's half width in a step.
+constexpr btScalar s_slowPart = btScalar(0.5);
 // The core of one that moves by less than this part of the contact breaking threshold, and than this part of its size,
 // is not looked up: so bodies at rest cost next to nothing.
 constexpr btScalar s_restMotion = btScalar(0.1), s_restPart = btScalar(1) / 4096;
 // Meshes that move by less than this part of the threshold count as at rest.
 constexpr btScalar s_restMeshMotion = btScalar(0.005);
+// One that is deeper in another object than this part may be pressed through a mesh slowly, or pushed by split
+// impulses, which move bodies without a velocity.
+constexpr btScalar s_deepPart = btScalar(0.1);
 // A kinematic convex shape that jumps further than this, in halves of its size, and than this many times of its motion
 // in the step before, is put elsewhere.
 constexpr btScalar s_longJump = 16, s_suddenJump = 4;
@@ -310,12 +313,13 @@ void qcSweptObjects::SortMovingMeshes()
         m_widestMesh = std::max(m_widestMesh, mesh->upper.x() - mesh->lower.x());
 }
 
-/// True if a mesh may reach cores of this half width in the step: they are fast, or their shapes deep in one.
+/// True if convex shapes whose cores have this half width may pass a mesh in the step: they are fast, or deep in one.
 bool qcSweptObjects::MayPass(const btCollisionObject* object, btScalar halfWidth) const
 {
     const btScalar rest = std::min(s_restMotion * gContactBreakingThreshold,
                                    s_restPart * object->getCollisionShape()->getAngularMotionDisc());
-    return TravelNear(object) + m_depths.DepthOf(object) > std::max(s_corePart * halfWidth, rest);
+    return TravelNear(object) > std::max(s_slowPart * halfWidth, rest) ||
+           m_depths.DepthOf(object) > s_deepPart * halfWidth;
 }
 
 /// True if the convex shapes of a dynamic body, a link or a static object may pass a mesh in the step, or might have
@@ -553,8 +557,7 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
         swept->motion = motion;
         swept->carried = swept->start;
         swept->FindTravel();
-        const bool isTaken = swept->cores != nullptr && (swept->isStopped || MayPass(swept->object, swept->halfWidth));
-        swept->isStopped = false;
+        const bool isTaken = swept->cores != nullptr && MayPass(swept->object, swept->halfWidth);
         swept->coreSteps = isTaken ? s_coreSteps : std::max(swept->coreSteps - 1, 0);
         m_coreCount += swept->cores != nullptr;
         anyMoved = anyMoved || !qcAreSame(swept->start, swept->target) || swept->Deforms();
