@@ -338,8 +338,7 @@ void qcMotionLimiter::Cut(int round)
     m_islands.Move();
     for (const auto& [numbers, block] : FindBlocks())
     {
-        btScalar margins = block.pair.first->object->getCollisionShape()->getMargin() +
-                           block.pair.second->object->getCollisionShape()->getMargin();
+        btScalar margins = block.pair.first->Margin() + block.pair.second->Margin();
         btScalar minGap =
             IsStill(block.pair) ? qcCornerRounding(*block.pair.first, *block.pair.second) : s_minGap * margins;
         bool common = round >= s_maxCuts || block.distance < minGap;

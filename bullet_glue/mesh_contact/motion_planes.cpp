@@ -180,8 +180,7 @@ void qcMotionPlanes::Add(const qcPair& pair, const qcMotionPlaneSide& a, const q
 {
     if (!m_pairs.insert({pair.bodyA, pair.triangleA, pair.bodyB, pair.triangleB}).second)
         return;
-    btScalar floor = qcMotionFloor * (a.swept->object->getCollisionShape()->getMargin() +
-                                      b.swept->object->getCollisionShape()->getMargin());
+    btScalar floor = qcMotionFloor * (a.swept->Margin() + b.swept->Margin());
     qcMotionPlane plane;
     plane.above = a;
     plane.below = b;

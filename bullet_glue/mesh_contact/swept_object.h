@@ -81,6 +81,12 @@ struct qcSweptObject
     {
         return body != nullptr || (multibody != nullptr && multibody->Yields());
     }
+    /// The gap that contact needs around what is tested. Cores need none: they are inside of their shapes, for some of
+    /// which Bullet's margin is their radius.
+    btScalar Margin() const
+    {
+        return cores != nullptr ? btScalar(0) : object->getCollisionShape()->getMargin();
+    }
     /// The part of its motion that the object makes.
     btScalar MadePart() const
     {

@@ -100,6 +100,36 @@ START_TEST(a_core_is_inside_its_shape)
 }
 END_TEST
 
+START_TEST(balls_bounce_off_a_mesh_at_any_speed)
+{
+    for (double radius : {0.2, 0.5})
+        for (double speed : {5.0, 10.0, 20.0, 40.0, 80.0})
+            for (int start = 0; start < 12; start++)
+            {
+                qcMeshWorld made;
+                made.world.setGravity(btVector3(0, 0, 0));
+                made.Add(made.Keep(qcFloorModel(5, 4).MakeShape()), 0, btTransform::getIdentity())->setRestitution(1);
+                const double height = radius + 0.03 * speed + speed / 60 * start / 12;
+                std::unique_ptr<btCollisionShape> shape;
+                if (_i == 0)
+                    shape = std::make_unique<btSphereShape>(btScalar(radius));
+                else
+                    shape = std::make_unique<btCapsuleShapeX>(btScalar(radius), btScalar(0.2));
+                btRigidBody* ball =
+                    made.Add(made.Keep(std::move(shape)), 1,
+                             btTransform(btQuaternion::getIdentity(), btVector3(btScalar(0.1), btScalar(height), 0)));
+                ball->setRestitution(btScalar(0.8));
+                ball->setLinearVelocity(btVector3(0, btScalar(-speed), 0));
+                for (int step = 0; step < 20; step++)
+                    made.world.stepSimulation(btScalar(1.0 / 60), 0);
+                const double rebound = double(ball->getLinearVelocity().y()) / speed;
+                // A capsule that lies has contact on one side first, and begins to turn.
+                ck_assert_msg(rebound > (_i == 0 ? 0.7 : 0.3) && rebound < 1, "radius %g at %g m/s: %g", radius, speed,
+                              rebound);
+            }
+}
+END_TEST
+
 START_TEST(a_core_follows_changes_of_its_shape)
 {
     qcConvexCores cores(qcCoreSize);
@@ -604,6 +634,7 @@ QC_TEST_MAIN()
     tcase_add_loop_test(tests, fast_convex_shapes_pass_no_mesh, 0, convex_kinds);
     tcase_add_loop_test(tests, fast_meshes_pass_no_static_convex_shape, 0, convex_kinds);
     tcase_add_test(tests, fast_convex_shapes_that_push_each_other_pass_no_mesh);
+    tcase_add_loop_test(tests, balls_bounce_off_a_mesh_at_any_speed, 0, 2);
     tcase_add_loop_test(tests, a_fast_kinematic_mesh_takes_along_a_convex_shape, 0, convex_kinds);
     tcase_add_loop_test(tests, fast_kinematic_convex_shapes_pass_no_mesh, 0, convex_kinds);
     tcase_add_test(tests, a_kinematic_convex_shape_that_is_put_elsewhere_takes_nothing_along);

@@ -338,7 +338,7 @@ START_TEST(an_arm_that_strikes_a_wall_stops_and_gains_no_energy)
         }
         // It gets to the wall, and contact takes what it has not bounced off with.
         ck_assert_double_gt(furthest, 0.4);
-        ck_assert_double_lt(furthest, 0.8);
+        ck_assert_double_lt(furthest, 0.82);
         ck_assert_double_lt(double(qcEnergyOf(made.arm.Body(), s_nowhere)), 0.1 * energy);
     }
     ck_assert_int_gt(limited, 0);
