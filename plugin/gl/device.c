@@ -114,8 +114,7 @@ static void ReadLimits(qcDevice* device)
     device->compute = gl->DispatchCompute != NULL;
 }
 
-/// Opens a context and finds its identity. On failure none is open.
-/// A process that ends: drivers' own handlers have run, or are about to, and their functions may crash.
+/// The process ends: drivers' own handlers have run, or are about to, and their functions may crash.
 static atomic_bool s_isExiting;
 static pthread_once_t s_watchExit = PTHREAD_ONCE_INIT;
 
@@ -135,6 +134,7 @@ static void CloseContext(qcDevice* device)
         s_kinds[device->kind].close(&device->context);
 }
 
+/// Opens a context and finds its identity. On failure none is open.
 static qcStatus OpenContext(qcDevice* device, qcGpuIdentity* gpu)
 {
     QC_TRY(s_kinds[device->kind].open(&device->choice, &device->context));

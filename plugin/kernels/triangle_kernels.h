@@ -87,12 +87,11 @@ typedef struct qcIndexedTriangles
 /// linear p + shift there.
 typedef struct qcDistanceThresholds
 {
-    float pointError; ///< max error of a coordinate in that frame
-    bool
-        hasOutliers; ///< a triangle may have a coordinate above 1 in its own frame: its errors are as many times larger
-    float query;     ///< pairs proven farther apart are dropped
-    float near;      ///< pairs proven no farther apart are near. Below 0: no classification by distance
-    float far;       ///< pairs proven farther apart are separate; at least `near`
+    float pointError;   ///< max error of a coordinate in that frame
+    bool hasOutliers;   ///< of coordinates above 1 in a triangle's own frame: its errors are as many times larger
+    float query;        ///< pairs proven farther apart are dropped
+    float near;         ///< pairs proven no farther apart are near. Below 0: no classification by distance
+    float far;          ///< pairs proven farther apart are separate; at least `near`
     bool isTransformed; ///< false: both have one frame, and linear and shift are unused
     float linear[3][3], shift[3];
 } qcDistanceThresholds;

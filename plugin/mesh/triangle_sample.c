@@ -34,25 +34,15 @@ void qcTriangleSample_Take(qcTriangleSample* sample, const uint32_t* indices, ui
     }
 }
 
-static double LongestSide(const double corner[3][3])
-{
-    double longest = 0.0;
-    for (int axis = 0; axis < 3; axis++)
-    {
-        double x = corner[0][axis], y = corner[1][axis], z = corner[2][axis];
-        double low = x < y ? x : y, high = x < y ? y : x;
-        low = z < low ? z : low;
-        high = z > high ? z : high;
-        longest = high - low > longest ? high - low : longest;
-    }
-    return longest;
-}
-
 double qcTriangleSample_MedianSize(const qcTriangleSample* sample)
 {
     double sizes[qc_maxSampled];
     for (uint32_t i = 0; i < sample->count; i++)
-        sizes[i] = LongestSide(sample->corners[i]);
+    {
+        double lower[3], upper[3];
+        qcBounds_OfTriangle(sample->corners[i], lower, upper);
+        sizes[i] = qcBounds_Widest(lower, upper);
+    }
     qcSortNumbers(sizes, sample->count);
     return sample->count != 0 ? sizes[sample->count / 2] : 0.0;
 }

@@ -4,6 +4,7 @@
 #ifndef QC_SCENE_FLOAT_POSITIONS_H
 #define QC_SCENE_FLOAT_POSITIONS_H
 
+#include "base/aabb.h"
 #include "scene/bodies.h"
 
 struct qcFloatPositions
@@ -43,13 +44,7 @@ static inline void qcBody_GetTriangleBox(const qcBody* body, uint32_t triangle, 
 {
     double corners[3][3];
     qcBody_GetNewestTriangle(body, triangle, corners);
-    for (int axis = 0; axis < 3; axis++)
-    {
-        double x = corners[0][axis], y = corners[1][axis], z = corners[2][axis];
-        double low = x < y ? x : y, high = x < y ? y : x;
-        lower[axis] = z < low ? z : low;
-        upper[axis] = z > high ? z : high;
-    }
+    qcBounds_OfTriangle((const double(*)[3])corners, lower, upper);
 }
 
 /// Fetches the positions that qcBody_GetNewestTriangle reads into the caches.

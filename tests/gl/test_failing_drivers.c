@@ -248,7 +248,6 @@ static void MakeRefusing(struct qcGlFunctions* gl)
 }
 
 /// A body takes the place of another: there is room, and nothing else is new.
-
 static void CheckRefusedUpload(qcDevice* device, int upload)
 {
     World world = MakeWorld(device);

@@ -388,13 +388,19 @@ END_TEST
 
 //  ---- flat patches --------------------------------------------------------------------------------------
 
-static uint64_t CountFlat(qcScene* scene, bool motion)
+static const qcResult* Sweep(qcScene* scene, bool motion)
 {
     const qcResult* result;
     qcDetectDef def = qcDefaultDetectDef();
     def.method = qc_methodSweep;
     def.motion = motion;
     CHECK_OK(qcScene_Detect(scene, &def, &result));
+    return result;
+}
+
+static uint64_t CountFlat(qcScene* scene, bool motion)
+{
+    const qcResult* result = Sweep(scene, motion);
     ck_assert_uint_eq(result->pairCount, 0);
     return result->profile.flatTriangles;
 }
@@ -449,12 +455,7 @@ static qcSoup MakeHills(void)
 
 static uint64_t CountCandidates(qcScene* scene, bool motion)
 {
-    const qcResult* result;
-    qcDetectDef def = qcDefaultDetectDef();
-    def.method = qc_methodSweep;
-    def.motion = motion;
-    CHECK_OK(qcScene_Detect(scene, &def, &result));
-    return result->profile.candidates;
+    return Sweep(scene, motion)->profile.candidates;
 }
 
 /// A vertex in the middle is far away from the first step on, or flies away after it.

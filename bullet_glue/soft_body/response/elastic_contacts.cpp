@@ -47,8 +47,7 @@ bool qcElasticContacts::MakeKept(qcSoftBodyScene& scene, const qcSoftTangles& ta
     kept->friction = constraint.friction;
     kept->normal = constraint.normal;
     if (constraint.rigid == nullptr)
-        return softs[0] != softs[1] && !tangles.Contains(softs[0]->id.slot, softs[1]->id.slot) &&
-               !tangles.Contains(softs[1]->id.slot, softs[0]->id.slot);
+        return softs[0] != softs[1] && !tangles.AreTangled(softs[0]->id.slot, softs[1]->id.slot);
     kept->rigid = qcHeldPointOf(constraint);
     // Joints carry the load of guided bodies, and are solved elsewhere.
     return (!constraint.rigid->CanMove() || constraint.rigid->IsFree()) &&

@@ -37,8 +37,7 @@ class qcElasticSystem
     /// The index of a free dynamic body, for springs.
     int AddRigid(btRigidBody* body);
     /// Finds the displacements, and which springs are closed: those that push. `bodies`: all that have nodes in
-    /// springs. False: there is no finite solution, or
-    /// Bullet's numbers of nodes are those of other bodies.
+    /// springs. False: there is no finite solution, or Bullet's numbers of nodes are those of other bodies.
     bool Solve(const btDeformableBackwardEulerObjective& objective, const std::vector<qcSceneSoftBody*>& bodies,
                btScalar timeStep, std::vector<qcElasticSpring>* springs);
     /// Adds the displacements to the bodies' positions, and the velocities that lead there.

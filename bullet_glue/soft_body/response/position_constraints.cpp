@@ -263,8 +263,7 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
             constraint.friction = view.friction;
             Orient(view.thickness, view.normal, false, &constraint);
         }
-        const uint32_t slotA = result.contacts[i].bodyA, slotB = result.contacts[i].bodyB;
-        constraint.isTangled = tangles.Contains(slotA, slotB) || tangles.Contains(slotB, slotA);
+        constraint.isTangled = tangles.AreTangled(result.contacts[i].bodyA, result.contacts[i].bodyB);
         constraints->push_back(constraint);
         contactOf->push_back(i);
     }

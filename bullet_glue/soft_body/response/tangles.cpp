@@ -53,8 +53,7 @@ bool qcSoftTangles::MayLeave(qcSoftBodyScene& scene, const qcPair& pair) const
 bool qcSoftTangles::AreTangled(const qcSceneSoftBody& soft, const qcSceneRigid& rigid) const
 {
     return std::any_of(rigid.meshes.begin(), rigid.meshes.end(),
-                       [&](const qcSceneMesh& mesh)
-                       { return Contains(soft.id.slot, mesh.id.slot) || Contains(mesh.id.slot, soft.id.slot); });
+                       [&](const qcSceneMesh& mesh) { return AreTangled(soft.id.slot, mesh.id.slot); });
 }
 
 void qcSoftTangles::MarkParts(const std::vector<qcUntanglement>& untanglements)

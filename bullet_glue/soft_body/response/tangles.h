@@ -26,6 +26,11 @@ class qcSoftTangles
     {
         return m_counts.count({bodyA, bodyB}) != 0;
     }
+    /// Likewise in either order.
+    bool AreTangled(uint32_t bodyA, uint32_t bodyB) const
+    {
+        return Contains(bodyA, bodyB) || Contains(bodyB, bodyA);
+    }
     /// True if triangles of these two penetrate each other.
     bool AreTangled(const qcSceneSoftBody& soft, const qcSceneRigid& rigid) const;
     /// Marks the vertices that leave the other surface: those in parts that curves cut off, and all of curves that

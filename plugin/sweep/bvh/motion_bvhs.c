@@ -106,7 +106,7 @@ static bool FindEnd(const qcBvhOfBody bvhs[2], bool isOne, int t, qcMotionBvh mo
     MotionEnd first = EndOf(&bvhs[0], t);
     qcLatticeTransform reference = first.fit->isLocal ? LatticeAround(&first) : first.fit->lattice;
     float pointError = first.fit->pointError;
-    bool hasOutliers = EndOf(&bvhs[0], t).fit->lattice.hasOutliers || EndOf(&bvhs[1], t).fit->lattice.hasOutliers;
+    bool hasOutliers = first.fit->lattice.hasOutliers || EndOf(&bvhs[1], t).fit->lattice.hasOutliers;
     bool isExact = true;
     for (int side = 0; side < 2; side++)
     {

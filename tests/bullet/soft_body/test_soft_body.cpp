@@ -593,6 +593,7 @@ START_TEST(all_memory_is_freed)
     ck_assert_uint_eq(qcGetByteCount(), 0);
 }
 END_TEST
+
 START_TEST(a_cloth_that_is_scaled_in_the_world_has_the_thickness_of_its_new_size)
 {
     World world;
