@@ -58,12 +58,6 @@ bool HasCores(const qcSweptPair& pair)
 {
     return pair.first->cores != nullptr || pair.second->cores != nullptr;
 }
-
-/// True if the application moves the object.
-bool IsSwept(const qcSweptObject& swept)
-{
-    return !swept.IsFree() && swept.moves;
-}
 } // namespace
 
 void qcMotionLimiter::InvalidateShape(const btCollisionShape* shape)
@@ -188,7 +182,7 @@ qcMotionLimiter::MadeParts qcMotionLimiter::FindMadeParts(const qcSweptPair& pai
 {
     MadeParts made;
     for (const qcSweptObject* swept : {pair.first, pair.second})
-        if (swept->IsFree())
+        if (swept->IsFree() && (swept->body != nullptr || swept->moves))
         {
             btScalar& part = swept->body != nullptr ? made.ofBodies : made.ofLinks;
             part = std::max(part, swept->MadePart());
@@ -211,7 +205,7 @@ void qcMotionLimiter::Stop(const qcSweptPair& pair, btScalar part, btScalar dist
     for (qcSweptObject* swept : {pair.first, pair.second})
         if (swept->body != nullptr)
             swept->fraction = std::min(swept->fraction, part);
-        else if (swept->multibody != nullptr && !parts.CutsBodies())
+        else if (swept->multibody != nullptr && swept->moves && !parts.CutsBodies())
             swept->multibody->CutTo(part);
 }
 
@@ -399,7 +393,7 @@ void qcMotionLimiter::CommitAll(btScalar timeStep)
     auto isStoppedAgain = [this](const qcSweptObject& a, const qcSweptObject& b)
     {
         const Numbers numbers = std::minmax(a.number, b.number);
-        return IsSwept(a) || IsSwept(b) || m_previouslyStopped.count(numbers) > 0 ||
+        return a.IsSwept() || b.IsSwept() || m_previouslyStopped.count(numbers) > 0 ||
                ((a.multibody != nullptr || b.multibody != nullptr) && m_previouslyCut.count(numbers) > 0);
     };
     m_planes.RemoveApproaches(s_impulseSweeps, isStoppedAgain);
@@ -558,7 +552,19 @@ bool qcMotionLimiter::CanPush() const
 {
     return std::any_of(m_unprovenTriangles.begin(), m_unprovenTriangles.end(),
                        [](const qcSweptTriangles& triangles)
-                       { return triangles.a.swept->CanPush() || triangles.b.swept->CanPush(); });
+                       {
+                           const qcSweptObject &a = *triangles.a.swept, &b = *triangles.b.swept;
+                           return a.CanBePushedBy(b) || b.CanBePushedBy(a);
+                       });
+}
+
+/// True if the application moves an object of one of the pairs of triangles of the previous round that were not proven
+/// apart: no cut of motions parts them.
+bool qcMotionLimiter::AreDriven() const
+{
+    return std::any_of(m_unprovenTriangles.begin(), m_unprovenTriangles.end(),
+                       [](const qcSweptTriangles& triangles)
+                       { return triangles.a.swept->IsSwept() || triangles.b.swept->IsSwept(); });
 }
 
 /// Detects the pairs that are not proven apart, and adds planes for them where `pushes`. Otherwise, after `cuts` such
@@ -621,11 +627,17 @@ qcStatus qcMotionLimiter::Certify()
             swept->certified = swept->end;
         SkipSeparatedPairs();
         const bool isClosing = !ClosingPairs().empty();
-        done = StopPairs(cuts == 0 && round < (isClosing ? s_closingRounds : s_planeRounds), cuts, &reported);
+        const int rounds = isClosing || (round > 0 && AreDriven()) ? s_closingRounds : s_planeRounds;
+        done = StopPairs(cuts == 0 && round < rounds, cuts, &reported);
         if (done == Round::pushed)
         {
-            m_planes.Solve(round > 0 && isClosing ? s_closingSweeps : s_planeSweeps);
-            m_objects.CommitMultiBodies();
+            // Multibodies turn little at a time.
+            const int sweeps = round > 0 && isClosing ? s_closingSweeps : s_planeSweeps;
+            for (int sweep = 0; sweep < sweeps; sweep++)
+            {
+                m_planes.SolveOnce();
+                m_objects.CommitMultiBodies();
+            }
         }
         cuts += done == Round::cut;
     }
@@ -699,8 +711,7 @@ void qcMotionLimiter::LimitAgain(btScalar timeStep, const std::vector<const btCo
     }
     m_objects.ReadTargets(startOf, m_scene.Get());
     for (const btCollisionObject* object : held)
-        if (qcSweptObject* swept = m_objects.Find(object))
-            swept->body = nullptr; // like a static one
+        m_objects.Hold(object);
     Run(timeStep, statistics);
     for (const qcSweptObject* swept : m_objects.Get())
         if (swept->body != nullptr && (swept->pushes > 0 || swept->fraction < 1))

@@ -159,6 +159,7 @@ class qcMotionLimiter
     void SkipSeparatedPairs();
     void SkipSettledPairs(const std::set<Numbers>& reported);
     bool CanPush() const;
+    bool AreDriven() const;
     Round StopPairs(bool pushes, int cuts, std::set<Numbers>* reported);
     qcStatus Certify();
     void Commit(qcSweptObject* swept, btScalar timeStep) const;

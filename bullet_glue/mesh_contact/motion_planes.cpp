@@ -49,10 +49,11 @@ struct Yield
     btVector3 linear, angular; ///< displacement and rotation by a unit impulse, times the time step
     btScalar along;            ///< displacement of the point along the impulse
 
-    Yield(const qcSweptObject& swept, const btVector3& arm, const btVector3& direction)
+    /// By an impulse on `swept` at `arm`, from the other object.
+    Yield(const qcSweptObject& swept, const qcSweptObject& other, const btVector3& arm, const btVector3& direction)
         : linear(0, 0, 0), angular(0, 0, 0), along(0)
     {
-        if (!swept.CanPush())
+        if (!swept.CanBePushedBy(other))
             return;
         const bool isGuided = swept.body == nullptr || !qcIsFree(*swept.body);
         const qcRigidDisplacement by = swept.body != nullptr ? qcDisplacementBy(*swept.body, arm, direction)
@@ -117,8 +118,9 @@ void SolvePlane(qcMotionPlane* plane)
         std::copy(pushes, pushes + 2, plane->held);
         return;
     }
-    const Yield above(*plane->above.swept, lowest.arm, plane->normal);
-    const Yield below(*plane->below.swept, highest.arm, -plane->normal);
+    const qcSweptObject &objectAbove = *plane->above.swept, &objectBelow = *plane->below.swept;
+    const Yield above(objectAbove, objectBelow, lowest.arm, plane->normal);
+    const Yield below(objectBelow, objectAbove, highest.arm, -plane->normal);
     const btScalar inverseMass = above.along + below.along;
     if (!(inverseMass > 0))
         return;
@@ -145,12 +147,14 @@ btVector3 VelocityAt(const qcSweptObject& swept, const btVector3& arm)
     return body != nullptr ? body->getVelocityInLocalPoint(arm) : btVector3(0, 0, 0);
 }
 
-void ApplyImpulse(const qcSweptObject* swept, const btVector3& arm, const btVector3& impulse)
+/// An impulse of the other object on `swept`.
+void ApplyImpulse(const qcSweptObject& swept, const qcSweptObject& other, const btVector3& arm,
+                  const btVector3& impulse)
 {
-    if (swept->body != nullptr)
-        swept->body->applyImpulse(impulse, arm);
-    else if (swept->multibody != nullptr)
-        swept->multibody->ApplyImpulse(*swept, arm, impulse);
+    if (swept.body != nullptr)
+        swept.body->applyImpulse(impulse, arm);
+    else if (swept.multibody != nullptr)
+        swept.multibody->ApplyImpulse(swept, arm, impulse, other.IsSwept());
 }
 } // namespace
 
@@ -199,30 +203,32 @@ void qcMotionPlanes::AddHulls(qcSweptObject* below, qcSweptObject* above, const 
     m_planes.push_back({{above, {}, true}, {below, {}, true}, normal, gap, 0, {zero, zero}});
 }
 
-void qcMotionPlanes::Solve(int sweeps)
+void qcMotionPlanes::SolveOnce()
 {
-    for (int sweep = 0; sweep < sweeps; sweep++)
-        for (qcMotionPlane& plane : m_planes)
-            SolvePlane(&plane);
+    for (qcMotionPlane& plane : m_planes)
+        SolvePlane(&plane);
 }
 
-void qcMotionPlanes::RemoveApproach(const qcMotionPlane& plane)
+void qcMotionPlanes::RemoveApproach(qcMotionPlane* plane)
 {
-    btScalar approach = -plane.normal.dot(VelocityAt(*plane.above.swept, plane.arms[0]) -
-                                          VelocityAt(*plane.below.swept, plane.arms[1]));
+    btScalar approach = -plane->normal.dot(VelocityAt(*plane->above.swept, plane->arms[0]) -
+                                           VelocityAt(*plane->below.swept, plane->arms[1]));
     auto inverseMass = [&](const qcSweptObject& swept, const btVector3& arm)
     {
         if (swept.multibody != nullptr)
-            return swept.multibody->DisplacementBy(swept, arm, plane.normal).At(arm).dot(plane.normal);
+            return swept.multibody->DisplacementBy(swept, arm, plane->normal).At(arm).dot(plane->normal);
         return swept.body == nullptr
                    ? btScalar(0)
-                   : swept.body->computeImpulseDenominator(swept.body->getCenterOfMassPosition() + arm, plane.normal);
+                   : swept.body->computeImpulseDenominator(swept.body->getCenterOfMassPosition() + arm, plane->normal);
     };
     btScalar denominator =
-        inverseMass(*plane.above.swept, plane.arms[0]) + inverseMass(*plane.below.swept, plane.arms[1]);
-    if (!(approach > 0 && denominator > 0))
+        inverseMass(*plane->above.swept, plane->arms[0]) + inverseMass(*plane->below.swept, plane->arms[1]);
+    if (!(denominator > 0))
         return;
-    btVector3 impulse = plane.normal * (approach / denominator);
-    ApplyImpulse(plane.above.swept, plane.arms[0], impulse);
-    ApplyImpulse(plane.below.swept, plane.arms[1], -impulse);
+    // Less than before, where other planes have done a part.
+    const btScalar change = std::max(approach / denominator, -plane->impulse);
+    plane->impulse += change;
+    const btVector3 impulse = plane->normal * change;
+    ApplyImpulse(*plane->above.swept, *plane->below.swept, plane->arms[0], impulse);
+    ApplyImpulse(*plane->below.swept, *plane->above.swept, plane->arms[1], -impulse);
 }

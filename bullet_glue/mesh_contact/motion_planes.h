@@ -33,10 +33,11 @@ struct qcMotionPlaneSide
 struct qcMotionPlane
 {
     qcMotionPlaneSide above, below;
-    btVector3 normal;  ///< unit, from below to above
-    btScalar gap;      ///< required distance along the normal, of the two triangles or hulls
-    btScalar pushed;   ///< sum of impulses so far, times the time step
-    btVector3 arms[2]; ///< of the last push, from the centres of above and below
+    btVector3 normal;     ///< unit, from below to above
+    btScalar gap;         ///< required distance along the normal, of the two triangles or hulls
+    btScalar pushed;      ///< sum of impulses so far, times the time step
+    btVector3 arms[2];    ///< of the last push, from the centres of above and below
+    btScalar impulse = 0; ///< that removes the approach, so far
     /// The pushes of above and below when no push was needed; a plane that has not been solved has others.
     uint32_t held[2] = {UINT32_MAX, UINT32_MAX};
 };
@@ -49,19 +50,19 @@ class qcMotionPlanes
     void Add(const qcPair& pair, const qcMotionPlaneSide& a, const qcMotionPlaneSide& b, const qcProximity& nearest);
     /// Adds a plane between the hulls of two objects, unless there is one. `normal`: from `below` to `above`.
     void AddHulls(qcSweptObject* below, qcSweptObject* above, const btVector3& normal, btScalar gap);
-    /// Gauss-Seidel sweeps over all planes. Moves the ends of free objects.
-    void Solve(int sweeps);
+    /// One Gauss-Seidel sweep over all planes. Moves the ends of free objects.
+    void SolveOnce();
     /// Impulses without restitution where planes have pushed pairs that `isStopped` names; kinetic energy doesn't grow.
-    template <class IsStopped> void RemoveApproaches(int sweeps, const IsStopped& isStopped) const
+    template <class IsStopped> void RemoveApproaches(int sweeps, const IsStopped& isStopped)
     {
         for (int sweep = 0; sweep < sweeps; sweep++)
-            for (const qcMotionPlane& plane : m_planes)
+            for (qcMotionPlane& plane : m_planes)
                 if (plane.pushed > 0 && isStopped(*plane.above.swept, *plane.below.swept))
-                    RemoveApproach(plane);
+                    RemoveApproach(&plane);
     }
 
   private:
-    static void RemoveApproach(const qcMotionPlane& plane);
+    static void RemoveApproach(qcMotionPlane* plane);
 
     std::vector<qcMotionPlane> m_planes;
     std::set<std::array<uint32_t, 4>> m_pairs; ///< those that have a plane

@@ -20,13 +20,19 @@ size_t PlaceOf(const btCollisionObject* link)
     return size_t(qcAsLink(link)->m_link + 1);
 }
 
+/// True if Bullet moves the joint of a link.
+bool IsMovedJoint(const btMultiBody& body, int link)
+{
+    return body.getLink(link).m_dofCount > 0 && !body.isLinkStaticOrKinematic(link);
+}
+
 /// True if Bullet moves the base or a joint.
 bool IsMoved(const btMultiBody& body)
 {
     if (!body.isBaseStaticOrKinematic())
         return true;
     for (int i = 0; i < body.getNumLinks(); i++)
-        if (body.getLink(i).m_dofCount > 0 && !body.isLinkStaticOrKinematic(i))
+        if (IsMovedJoint(body, i))
             return true;
     return false;
 }
@@ -221,9 +227,14 @@ const btTransform& qcSweptMultiBody::StartOf(const btCollisionObject* link) cons
     return m_starts[PlaceOf(link)];
 }
 
-bool qcSweptMultiBody::HasMoved(const btCollisionObject* link) const
+bool qcSweptMultiBody::CanMove(const btCollisionObject* collider) const
 {
-    return !qcAreSame(StartOf(link), m_targets[PlaceOf(link)]);
+    if (HasFreeBase())
+        return true;
+    for (int link = qcAsLink(collider)->m_link; link >= 0; link = m_body.getParent(link))
+        if (IsMovedJoint(m_body, link))
+            return true;
+    return false;
 }
 
 void qcSweptMultiBody::Add(qcSweptObject* swept)
@@ -297,6 +308,7 @@ void qcSweptMultiBody::CommitPushes()
     }
     m_isStopped = true;
     m_target = qcJointPositions(m_body);
+    m_motion.reset(); // further pushes act where these have led
     ReadEnds();
 }
 
@@ -315,11 +327,16 @@ btVector3 qcSweptMultiBody::VelocityAt(const qcSweptObject& link, const btVector
     return m_motion->VelocityAt(index, arm);
 }
 
-void qcSweptMultiBody::ApplyImpulse(const qcSweptObject& link, const btVector3& arm, const btVector3& impulse)
+void qcSweptMultiBody::ApplyImpulse(const qcSweptObject& link, const btVector3& arm, const btVector3& impulse,
+                                    bool isDriven)
 {
     const size_t index = IndexOf(link);
-    if (m_motion->CanMove(index))
-        m_motion->ApplyImpulse(index, arm, impulse);
+    if (!m_motion->CanMove(index))
+        return;
+    const btScalar before = isDriven ? KineticEnergyOf(m_body) : btScalar(0);
+    m_motion->ApplyImpulse(index, arm, impulse);
+    if (isDriven)
+        m_allowedEnergy += std::max(KineticEnergyOf(m_body) - before, btScalar(0));
 }
 
 void qcSweptMultiBody::RecordEnd()
@@ -334,7 +351,7 @@ void qcSweptMultiBody::KeepTarget()
     if (!m_hasLeft)
     {
         m_targetMoment = MomentOf(m_body);
-        m_targetEnergy = KineticEnergyOf(m_body);
+        m_allowedEnergy = KineticEnergyOf(m_body);
     }
     m_hasLeft = true;
 }
@@ -376,7 +393,7 @@ void qcSweptMultiBody::UpdateVelocities(const btVector3& gravity)
     if (!m_hasLeft)
         return;
     const btScalar lost = gravity.dot(m_targetMoment - MomentOf(m_body)), energy = KineticEnergyOf(m_body);
-    const btScalar allowed = std::max(m_targetEnergy - std::max(lost, btScalar(0)), btScalar(0));
+    const btScalar allowed = std::max(m_allowedEnergy - std::max(lost, btScalar(0)), btScalar(0));
     if (energy > allowed)
         ScaleVelocities(&m_body, btSqrt(allowed / energy));
 }

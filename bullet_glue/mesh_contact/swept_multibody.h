@@ -37,8 +37,8 @@ class qcSweptMultiBody
     bool IsDynamic(const btMultiBodyLinkCollider& link) const;
     /// Where the collider of such a link starts the step.
     const btTransform& StartOf(const btCollisionObject* link) const;
-    /// True if such a link has moved in the step.
-    bool HasMoved(const btCollisionObject* link) const;
+    /// False for such a link that no joint moves, since all up to a base that Bullet does not move are fixed.
+    bool CanMove(const btCollisionObject* link) const;
     /// Takes part with a link that joints move, whose end follows its motion until the next step.
     void Add(qcSweptObject* swept);
     /// True if planes push it: where it was stopped in the previous step, too. The first time it is cut back: planes at
@@ -54,7 +54,9 @@ class qcSweptMultiBody
     /// Moves the joints by all pushes since the last call, and the ends to where that leads. The target is there.
     void CommitPushes();
     btVector3 VelocityAt(const qcSweptObject& link, const btVector3& arm);
-    void ApplyImpulse(const qcSweptObject& link, const btVector3& arm, const btVector3& impulse);
+    /// Changes the velocities of all joints by an impulse on a link. `isDriven`: from an object that the application
+    /// moves, which may give it energy.
+    void ApplyImpulse(const qcSweptObject& link, const btVector3& arm, const btVector3& impulse, bool isDriven);
     /// The part of its motion that it makes.
     btScalar Fraction() const
     {
@@ -67,9 +69,9 @@ class qcSweptMultiBody
     bool ReturnToStart(const btVector3& gravity);
     /// Moves the joints, all colliders and the ends to where that part ends.
     void Move();
-    /// If it was pushed or cut: slows down all joints so that it has no more kinetic energy than at the target, less
-    /// what gravity has given it for the part of a fall that it doesn't make. Equal velocities of joints have more
-    /// energy in some positions than in others.
+    /// If it was pushed or cut: slows down all joints so that it has no more kinetic energy than at the target, and
+    /// what driven impulses have given it, less what gravity has given it for the part of a fall that it doesn't make.
+    /// Equal velocities of joints have more energy in some positions than in others.
     void UpdateVelocities(const btVector3& gravity);
     /// True if it was pushed or cut since ReadTarget.
     bool IsLimited() const
@@ -114,7 +116,7 @@ class qcSweptMultiBody
     Places m_puts;    ///< the colliders at m_put; none: it starts there, or the application moves nothing
     Places m_records; ///< of the joints' end of the previous step; none: it is new
     btVector3 m_targetMoment{0, 0, 0}; ///< sum of masses times places, at the target
-    btScalar m_targetEnergy = 0;       ///< kinetic, at the target
+    btScalar m_allowedEnergy = 0;      ///< kinetic: at the target, and by driven impulses
     bool m_hasLeft = false;            ///< the joints are not at the target
     std::vector<Member> m_members;
     std::unique_ptr<qcMultiBodyMotion> m_motion; ///< null: no push needs it yet

@@ -32,8 +32,9 @@ struct qcSweptObject
     btCollisionObject* object = nullptr;
     btRigidBody* body = nullptr;           ///< null: no rigid body that Bullet moves
     const btMultiBody* owner = nullptr;    ///< of a link
-    qcSweptMultiBody* multibody = nullptr; ///< of a link that has moved, so that its motion can be cut
+    qcSweptMultiBody* multibody = nullptr; ///< of a link that joints move
     bool isDynamic = false;                ///< Bullet moves it alone: `body`, or a link of a multibody with a free base
+    bool isHeld = false;                   ///< stays where it is, though Bullet moves it
     uint32_t number = 0;                   ///< in the order in which objects entered the world; see qcIdCounter
     uint32_t index = 0;                    ///< in the present list of objects
     uint64_t step = 0;                     ///< the last update that found the object in the world
@@ -76,10 +77,15 @@ struct qcSweptObject
     {
         return body != nullptr || multibody != nullptr;
     }
-    /// True if planes can push the object.
-    bool CanPush() const
+    /// True if the application moves the object.
+    bool IsSwept() const
     {
-        return body != nullptr || (multibody != nullptr && multibody->Yields());
+        return !IsFree() && moves;
+    }
+    /// True if a plane between it and the other object can push it.
+    bool CanBePushedBy(const qcSweptObject& other) const
+    {
+        return body != nullptr || (multibody != nullptr && (multibody->Yields() || other.IsSwept()));
     }
     /// The gap that contact needs around what is tested. Cores need none: they are inside of their shapes, for some of
     /// which Bullet's margin is their radius.

@@ -373,6 +373,7 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
 {
     qcSweptObject& swept = *Add(object);
     swept.step = m_step;
+    swept.isHeld = false;
     swept.body = DynamicBody(object);
     const btMultiBodyLinkCollider* asLink = qcAsLink(object);
     swept.owner = asLink != nullptr ? asLink->m_multiBody : nullptr;
@@ -382,7 +383,7 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
     {
         swept.start = swept.multibody->StartOf(object);
         swept.multibody->Add(&swept);
-        if (!swept.multibody->HasMoved(object))
+        if (!swept.multibody->CanMove(object))
             swept.multibody = nullptr;
     }
     ReadShape(&swept, m_settings.gimpact);
@@ -403,6 +404,18 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
     swept.fraction = 1;
     swept.FindTravel();
     return swept;
+}
+
+void qcSweptObjects::Hold(const btCollisionObject* object)
+{
+    const btMultiBodyLinkCollider* link = qcAsLink(object);
+    for (qcSweptObject* swept : m_sorted)
+        if (swept->object == object || (link != nullptr && swept->owner == link->m_multiBody))
+        {
+            swept->isHeld = swept->isHeld || swept->IsFree();
+            swept->body = nullptr;
+            swept->multibody = nullptr;
+        }
 }
 
 bool qcSweptObjects::ReadTargets(const qcStartFunction& startOf, qcScene* scene)
@@ -581,7 +594,7 @@ bool qcSweptObjects::IsLeftOut(const qcSweptObject& a, const qcSweptObject& b) c
 bool qcSweptObjects::Collide(const qcSweptObject& a, const qcSweptObject& b) const
 {
     btCollisionWorld* world = m_settings.world;
-    if (!(a.IsFree() || b.IsFree()) || !a.hasMesh || !b.hasMesh || !(a.isOurs || b.isOurs))
+    if (!(a.IsFree() || b.IsFree() || a.isHeld || b.isHeld) || !a.hasMesh || !b.hasMesh || !(a.isOurs || b.isOurs))
         return false;
     if (a.owner != nullptr && a.owner == b.owner)
         return false;

@@ -45,6 +45,9 @@ class qcSweptObjects
     /// Returns the multibody of a link to the start of the step, if that is known. If it was not there, all its links
     /// are appended to `moved`.
     void ReturnMultiBody(const btCollisionObject* link, std::vector<const btCollisionObject*>* moved);
+    /// Makes an object, and all links of its multibody, stay where they are until targets are read again. A mesh that
+    /// the application moves through one is an unproven pair.
+    void Hold(const btCollisionObject* object);
     /// Adapts the velocities of multibodies whose motion was cut.
     void UpdateMultiBodies() const;
     /// The pairs that collide and whose boxes overlap; at least one of the two moves, and one is not isUnmoved.

@@ -254,8 +254,7 @@ START_TEST(meshes_that_are_thrown_at_what_does_not_move_of_a_multibody_pass_none
             Chain chain(made, _i, isBase ? 0 : 1, !isBase, s_nowhere, 1, !isBase);
             chain.Body().setFixedBase(true);
             const btQuaternion turn(random.Vector(1).normalized(), random.Number(0, 3));
-            btRigidBody* thrown =
-                made.Add(cube, 1, btTransform(turn, chain.At(0) + 2 * s_away + random.Vector(0.1)));
+            btRigidBody* thrown = made.Add(cube, 1, btTransform(turn, chain.At(0) + 2 * s_away + random.Vector(0.1)));
             thrown->setLinearVelocity(-60 * s_away);
             for (int step = 0; step < 30; step++)
                 limited += made.StepApart();
@@ -555,6 +554,70 @@ START_TEST(an_arm_on_a_base_that_the_application_moves_passes_no_wall)
 }
 END_TEST
 
+/// Has the application move an object from now on.
+void MakeKinematic(btRigidBody* body)
+{
+    body->setCollisionFlags(body->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+    body->setActivationState(DISABLE_DEACTIVATION);
+}
+
+/// Moves an object as applications do, so that Bullet sees its velocity.
+void Drive(btRigidBody* body, const btVector3& by)
+{
+    btTransform place = body->getWorldTransform();
+    place.getOrigin() += by;
+    body->setWorldTransform(place);
+}
+
+START_TEST(a_wall_that_the_application_moves_takes_chains_at_rest_along)
+{
+    for (unsigned start = 1; start <= (qcIsLongForm() ? 200u : 4u); start++)
+        for (btScalar speed : {btScalar(3), btScalar(10), btScalar(30), btScalar(60)})
+        {
+            qcRandomNumbers random(start);
+            LinkWorld made(s_nowhere);
+            btRigidBody* wall = made.AddWall(btScalar(0.5) + random.Number(0, speed * qcStep));
+            MakeKinematic(wall);
+            Chain chain(made, _i, int(random.Number(0, 3)), false, btVector3(-1, 0, 0) + random.Vector(0.2), 1);
+            // Every other chain sleeps.
+            chain.Body().setCanSleep(start % 2 == 0);
+            for (int step = 0; step < (start % 2 == 0 ? 200 : 1); step++)
+                made.StepApart();
+            ck_assert(chain.Collider(0).isActive() == (start % 2 != 0));
+            const int steps = int(btScalar(3) / (speed * qcStep));
+            for (int step = 0; step < steps; step++)
+            {
+                Drive(wall, -speed * qcStep * s_away);
+                made.StepApart();
+            }
+            for (size_t i = 0; i < size_t(chain.Body().getNumLinks()) + 1; i++)
+                ck_assert_double_lt(double(chain.At(i).z()), double(wall->getWorldTransform().getOrigin().z()));
+            // It has the energy of the wall's speed, or moves within itself, too.
+            const double energy = double(qcEnergyOf(chain.Body(), s_nowhere));
+            ck_assert_double_gt(energy, 0.3 * double(speed * speed));
+        }
+}
+END_TEST
+
+START_TEST(a_block_that_the_application_moves_turns_an_arm_at_rest)
+{
+    for (btScalar speed : {btScalar(3), btScalar(10), btScalar(30)})
+    {
+        ArmWorld made(_i, 1);
+        btRigidBody* block = made.Add(qcBoxModel(btVector3(1, 1, 1) * btScalar(0.1), 2), 0,
+                                      btTransform(s_upright, btVector3(btScalar(0.3), 0, btScalar(0.4))), s_fixed);
+        MakeKinematic(block);
+        made.StepApart();
+        for (int step = 0; step < int(btScalar(0.8) / (speed * qcStep)); step++)
+        {
+            Drive(block, -speed * qcStep * s_away);
+            made.StepApart();
+        }
+        ck_assert_double_gt(double(made.arm.Body().getJointPos(0)), 0.3);
+    }
+}
+END_TEST
+
 START_TEST(an_arm_turns_on_while_what_does_not_move_of_it_is_struck)
 {
     btScalar turned[2];
@@ -724,6 +787,8 @@ QC_TEST_MAIN()
                         kind_kinds);
     tcase_add_loop_test(tests, a_link_passes_only_what_it_does_not_collide_with, 0, link_kinds);
     tcase_add_loop_test(tests, an_arm_on_a_base_that_the_application_moves_passes_no_wall, 0, kind_kinds);
+    tcase_add_loop_test(tests, a_wall_that_the_application_moves_takes_chains_at_rest_along, 0, kind_kinds);
+    tcase_add_loop_test(tests, a_block_that_the_application_moves_turns_an_arm_at_rest, 0, kind_kinds);
     tcase_add_test(tests, an_arm_turns_on_while_what_does_not_move_of_it_is_struck);
     tcase_add_loop_test(tests, a_multibody_that_was_not_finite_is_limited_again, 0, kind_kinds);
     tcase_add_test(tests, a_new_origin_of_a_world_of_multibodies_moves_nothing_in_it);
