@@ -196,8 +196,7 @@ void qcMotionLimiter::Stop(const qcSweptPair& pair, btScalar part, btScalar dist
     const MadeParts parts = FindMadeParts(pair);
     btScalar made = parts.ThatIsCut(), travel = 0;
     for (const qcSweptObject* swept : {pair.first, pair.second})
-        travel += qcDisplacementBound(swept->carried, swept->target,
-                                      swept->object->getCollisionShape()->getAngularMotionDisc());
+        travel += qcDisplacementBound(swept->carried, swept->target, swept->radius);
     // The pair keeps a distance, but approaches by at least half of what is proven. The part is less than what is made,
     // also where the scene's rounding differs.
     part =

@@ -134,9 +134,7 @@ void SolvePlane(qcMotionPlane* plane)
 /// Upper bound of the coordinates of two objects at their ends.
 btScalar LargestCoordinate(const qcSweptObject& a, const qcSweptObject& b)
 {
-    return std::max(a.end.getOrigin().length(), b.end.getOrigin().length()) +
-           a.object->getCollisionShape()->getAngularMotionDisc() +
-           b.object->getCollisionShape()->getAngularMotionDisc();
+    return std::max(a.end.getOrigin().length(), b.end.getOrigin().length()) + a.radius + b.radius;
 }
 
 btVector3 VelocityAt(const qcSweptObject& swept, const btVector3& arm)

@@ -56,7 +56,7 @@ bool qcSweptObject::EnclosesAtStart(qcSweptPart core, const qcSweptObject& other
 
 void qcSweptObject::FindTravel()
 {
-    travel = qcDisplacementBound(start, target, object->getCollisionShape()->getAngularMotionDisc());
+    travel = qcDisplacementBound(start, target, radius);
 }
 
 void qcSweptObject::FindBox()

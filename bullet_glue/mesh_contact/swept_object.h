@@ -38,6 +38,7 @@ struct qcSweptObject
     uint32_t number = 0;                   ///< in the order in which objects entered the world; see qcIdCounter
     uint32_t index = 0;                    ///< in the present list of objects
     uint64_t step = 0;                     ///< the last update that found the object in the world
+    btScalar radius = 0;                   ///< of a sphere around its shape, about its origin
     bool hasMesh = false;                  ///< one of its shapes consists of triangles; planes do not
     bool isOurs = false;                   ///< contact of one of its meshes with any other mesh is computed here
     qcConvexCores* cores = nullptr;        ///< its convex shapes are swept as these; null: they are not

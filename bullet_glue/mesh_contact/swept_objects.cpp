@@ -39,6 +39,7 @@ constexpr int s_coreSteps = 30;
 /// Finds what of an object's shape consists of triangles.
 void ReadShape(qcSweptObject* swept, bool gimpact)
 {
+    swept->radius = swept->object->getCollisionShape()->getAngularMotionDisc();
     swept->hasMesh = swept->isOurs = false;
     auto read = [swept, gimpact](const btCollisionShape* simple, const btTransform&)
     {
@@ -90,7 +91,7 @@ void qcSweptObjects::FindStart(btScalar timeStep, qcSweptObject* swept)
     }
     btTransform expected;
     btTransformUtil::integrateTransform(swept->start, linear, angular, timeStep, expected);
-    btScalar radius = swept->object->getCollisionShape()->getAngularMotionDisc();
+    const btScalar radius = swept->radius;
     // Split impulses move bodies by more than their velocities do, and turn them most. Where a convex shape has contact
     // with others only, its start is not marked: it counts as put elsewhere only if its origin is.
     const bool isExplained =

@@ -24,6 +24,17 @@ typedef struct RelativeCorners
     qcVector a[2][3], b[2][3];
 } RelativeCorners;
 
+/// The first number if the second is not larger, or is NaN.
+static inline double Larger(double a, double b)
+{
+    return b > a ? b : a;
+}
+
+static inline double LargestCoordinate(qcVector v)
+{
+    return Larger(Larger(fabs(v.x), fabs(v.y)), fabs(v.z));
+}
+
 /// The relative corners of one end. False: differences overflow, or all corners coincide.
 static bool MakeRelative(const double a[3][3], const double b[3][3], qcVector relativeA[3], qcVector relativeB[3])
 {
@@ -33,9 +44,9 @@ static bool MakeRelative(const double a[3][3], const double b[3][3], qcVector re
     {
         relativeA[c] = qcMinus(qcVector_Load(a[c]), origin);
         relativeB[c] = qcMinus(qcVector_Load(b[c]), origin);
-        size = fmax(size, fmax(fmax(fabs(relativeA[c].x), fabs(relativeA[c].y)), fabs(relativeA[c].z)));
-        size = fmax(size, fmax(fmax(fabs(relativeB[c].x), fabs(relativeB[c].y)), fabs(relativeB[c].z)));
-        // fmax ignores NaN, which is infinity minus infinity here.
+        size = Larger(size, LargestCoordinate(relativeA[c]));
+        size = Larger(size, LargestCoordinate(relativeB[c]));
+        // Larger ignores NaN, which is infinity minus infinity here.
         if (!(relativeB[c].x + relativeB[c].y + relativeB[c].z - relativeA[c].x - relativeA[c].y - relativeA[c].z <
               INFINITY))
             return false;
@@ -232,13 +243,13 @@ static void FindBox(const double corners[3][3], double lower[3], double upper[3]
     for (int k = 0; k < 3; k++)
     {
         double x = corners[0][k], y = corners[1][k], z = corners[2][k];
-        lower[k] = fmin(fmin(x, y), z);
-        upper[k] = fmax(fmax(x, y), z);
+        double low = y < x ? y : x, high = y > x ? y : x;
+        lower[k] = z < low ? z : low;
+        upper[k] = z > high ? z : high;
     }
 }
 
-/// True if the boxes are apart along one axis, in the same order at both ends. Comparisons are exact.
-static bool BoxesSeparate(const qcMovingTriangle* a, const qcMovingTriangle* b, double direction[3])
+bool qcMotion_BoxesSeparate(const qcMovingTriangle* a, const qcMovingTriangle* b, double direction[3])
 {
     double lowerA[2][3], upperA[2][3], lowerB[2][3], upperB[2][3];
     FindBox(a->start, lowerA[0], upperA[0]);
@@ -260,7 +271,7 @@ static bool BoxesSeparate(const qcMovingTriangle* a, const qcMovingTriangle* b, 
 
 bool qcMotion_Separates(const qcMovingTriangle* a, const qcMovingTriangle* b, double direction[3])
 {
-    if (BoxesSeparate(a, b, direction))
+    if (qcMotion_BoxesSeparate(a, b, direction))
         return true;
     RelativeCorners r;
     if (!MakeRelative(a->start, b->start, r.a[0], r.b[0]) || !MakeRelative(a->end, b->end, r.a[1], r.b[1]))

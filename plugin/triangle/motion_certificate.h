@@ -12,6 +12,10 @@ typedef struct qcMovingTriangle
     double start[3][3], end[3][3];
 } qcMovingTriangle;
 
+/// True if the boxes are apart along one axis, in the same order at both ends. Exact. `direction`: see
+/// qcMotion_Separates.
+bool qcMotion_BoxesSeparate(const qcMovingTriangle* a, const qcMovingTriangle* b, double direction[3]);
+
 /// True if a direction is found, and proven, that separates the triangles at both ends. False proves nothing. Fills
 /// `direction` (may be null), of any length, from B towards A. O(1).
 bool qcMotion_Separates(const qcMovingTriangle* a, const qcMovingTriangle* b, double direction[3]);
