@@ -118,14 +118,15 @@ qcSweptMultiBody::Places qcSweptMultiBody::PlacesAt(const qcJointPositions& join
     return places;
 }
 
-/// Where a step by the present velocities takes the joints. They return to the target.
+/// Where a step by the present velocities takes the joints; what is static or kinematic stays. They return to the
+/// target.
 qcJointPositions qcSweptMultiBody::StepFrom(const qcJointPositions& from, btScalar timeStep)
 {
     from.Set(&m_body);
     m_body.stepPositionsMultiDof(timeStep);
     qcJointPositions end(m_body);
     m_target.Set(&m_body);
-    return end;
+    return end.Towards(from, 0, m_body);
 }
 
 /// Half the length of all links in a row.
