@@ -63,6 +63,12 @@ bool IsIntegrated(const btRigidBody& body)
            qcAreSame(body.getInterpolationAngularVelocity(), body.getAngularVelocity());
 }
 
+/// True if Bullet's continuous collision has stopped the body in this step.
+bool IsStoppedByBullet(const btCollisionObject& object)
+{
+    return object.getCcdSquareMotionThreshold() > 0 && object.getHitFraction() < 1;
+}
+
 /// True if the application has put an object of convex shapes elsewhere without notice, as platforms are that begin
 /// their way anew.
 bool HasJumped(const qcSweptObject& swept)
@@ -125,16 +131,22 @@ qcSweptObject* qcSweptObjects::Add(const btCollisionObject* object)
 void qcSweptObjects::MarkStarts()
 {
     m_isMarked = true;
+    m_continuousStarts.clear();
     btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
     for (int i = 0; i < objects.size(); i++)
-        if (DynamicBody(objects[i]) != nullptr &&
-            (qcMayHoldMeshes(objects[i]->getCollisionShape()) || (m_coreCount > 0 && Find(objects[i]) != nullptr)))
+    {
+        if (DynamicBody(objects[i]) == nullptr)
+            continue;
+        if (qcMayHoldMeshes(objects[i]->getCollisionShape()) || (m_coreCount > 0 && Find(objects[i]) != nullptr))
         {
             qcSweptObject* swept = Add(objects[i]);
             swept->next = objects[i]->getWorldTransform();
             swept->wasActive = objects[i]->isActive();
             swept->wasFinite = qcIsFinite(*objects[i]);
         }
+        else if (objects[i]->getCcdSquareMotionThreshold() > 0)
+            m_continuousStarts.emplace(qcObjectKey(objects[i]), objects[i]->getWorldTransform());
+    }
 }
 
 void qcSweptObjects::KeepTriangles(const btCollisionObject* object)
@@ -549,10 +561,16 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
         // One that the application has given finite values within the step starts there.
         if (!swept->wasFinite)
             swept->start = swept->target;
-        // A convex shape was not there to be marked before it was fast. Bullet's continuous collision may have stopped
-        // it.
-        const bool isMarked =
-            swept->isNew && swept->cores != nullptr ? swept->object->getCcdSquareMotionThreshold() > 0 : m_isMarked;
+        // A convex shape was not there to be marked before it was fast. If Bullet's continuous collision has stopped
+        // it, its velocity does not tell the start.
+        bool isMarked = m_isMarked;
+        if (swept->isNew && swept->cores != nullptr)
+        {
+            isMarked = IsStoppedByBullet(*swept->object);
+            const auto start = m_continuousStarts.find(qcObjectKey(swept->object));
+            if (isMarked && start != m_continuousStarts.end())
+                swept->start = start->second;
+        }
         if (!isMarked && swept->body != nullptr && (swept->isNew || !qcAreSame(swept->start, swept->target)))
             FindStart(timeStep, swept);
     }
@@ -577,6 +595,7 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
         anyMoved = anyMoved || !qcAreSame(swept->start, swept->target) || swept->Deforms();
     }
     m_isMarked = false;
+    m_continuousStarts.clear();
     return anyMoved;
 }
 

@@ -126,6 +126,8 @@ class qcSweptObjects
     bool m_anyFreeMesh = false; ///< there is one that is no static or kinematic body
     std::unordered_map<qcObjectKey, std::unique_ptr<qcSweptObject>, qcObjectKeyHash> m_objects;
     std::vector<qcSweptObject*> m_sorted;
+    /// Of bodies with Bullet's continuous collision that are not among the objects, where starts are marked.
+    std::unordered_map<qcObjectKey, btTransform, qcObjectKeyHash> m_continuousStarts;
     std::unordered_map<const btMultiBody*, std::unique_ptr<qcSweptMultiBody>> m_multibodies;
     std::unordered_map<const btCollisionShape*, uint64_t> m_changes; ///< calls of InvalidateShape
     std::vector<const btCollisionObject*> m_planes;                  ///< static ones

@@ -221,6 +221,35 @@ START_TEST(fast_convex_shapes_pass_no_mesh)
 }
 END_TEST
 
+START_TEST(a_convex_shape_with_bullets_continuous_collision_that_is_kicked_passes_no_mesh)
+{
+    std::unique_ptr<btCollisionShape> shape = MakeConvex(_i);
+    const qcModel core = qcCoreModel(shape.get()), wall = WallModel();
+    for (unsigned start = 1; start <= 4 * s_starts; start++)
+        for (btScalar speed : {btScalar(10), btScalar(30), btScalar(80)})
+        {
+            // At rest it is no object of the limits yet. Its sphere is small, and stops it after a part of the step.
+            qcRandomNumbers random(start);
+            qcMeshWorld world;
+            qcMotionOracle oracle;
+            constexpr uint32_t fixed = 1;
+            world.world.setGravity(btVector3(0, 0, 0));
+            oracle.Add(wall, world.Add(world.Keep(wall.MakeShape()), 0, btVector3(0, 0, 0)), fixed);
+            const btQuaternion turn(random.Vector(1).normalized(), random.Number(0, 3));
+            btRigidBody* kicked =
+                world.Add(shape.get(), 1, btTransform(turn, btScalar(0.6) * s_z + random.Vector(0.1)));
+            oracle.Add(core, kicked);
+            kicked->setCcdMotionThreshold(btScalar(0.05));
+            kicked->setCcdSweptSphereRadius(btScalar(0.01));
+            StepApart(&world, &oracle);
+            kicked->setLinearVelocity(-speed * s_z + random.Vector(3));
+            kicked->setAngularVelocity(random.Vector(60));
+            for (int step = 0; step < 20; step++)
+                StepApart(&world, &oracle);
+        }
+}
+END_TEST
+
 START_TEST(fast_meshes_pass_no_static_convex_shape)
 {
     std::unique_ptr<btCollisionShape> shape = MakeConvex(_i);
@@ -632,6 +661,8 @@ QC_TEST_MAIN()
     tcase_add_test(tests, a_core_follows_changes_of_its_shape);
     tcase_add_test(tests, a_hull_at_the_address_of_a_deleted_one_has_a_core_of_its_own);
     tcase_add_loop_test(tests, fast_convex_shapes_pass_no_mesh, 0, convex_kinds);
+    tcase_add_loop_test(tests, a_convex_shape_with_bullets_continuous_collision_that_is_kicked_passes_no_mesh, 0,
+                        convex_kinds);
     tcase_add_loop_test(tests, fast_meshes_pass_no_static_convex_shape, 0, convex_kinds);
     tcase_add_test(tests, fast_convex_shapes_that_push_each_other_pass_no_mesh);
     tcase_add_loop_test(tests, balls_bounce_off_a_mesh_at_any_speed, 0, 2);
