@@ -25,11 +25,18 @@ struct qcWorldMesh
     }
 };
 
+/// The positions are rounded as doubles are: single ones differ by as much as surfaces may be apart.
 inline qcWorldMesh qcWorldMeshOf(const qcModel& model, const btTransform& transform)
 {
     qcWorldMesh soup;
     for (size_t i = 0; i < model.positions.size(); i += 3)
-        soup.Add(transform * btVector3(model.positions[i], model.positions[i + 1], model.positions[i + 2]));
+        for (int axis = 0; axis < 3; axis++)
+        {
+            double sum = double(transform.getOrigin()[axis]);
+            for (int k = 0; k < 3; k++)
+                sum += double(transform.getBasis()[axis][k]) * double(model.positions[i + size_t(k)]);
+            soup.positions.push_back(sum);
+        }
     soup.indices = model.indices;
     return soup;
 }
