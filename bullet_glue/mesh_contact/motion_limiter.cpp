@@ -6,6 +6,7 @@
 #include "mesh_contact/clear_path.h"
 #include "mesh_contact/touching_faces.h"
 
+#include <BulletDynamics/Dynamics/btDynamicsWorld.h>
 #include <LinearMath/btQuickprof.h>
 #include <LinearMath/btTransformUtil.h>
 
@@ -377,9 +378,9 @@ void qcMotionLimiter::Commit(qcSweptObject* swept, btScalar timeStep) const
     body->activate();
 }
 
-/// Moves the bodies. Pairs that were stopped in the previous step, too, lose the velocities that stop them: contact has
-/// not done it. Nor does it where the application sweeps an object over a body: Bullet finds contact at the end of the
-/// sweep.
+/// Moves the bodies. Pairs that were stopped in the previous step, too, lose the velocities that stop them, or bounce:
+/// contact has not done it. Nor does it where the application sweeps an object over a body: Bullet finds contact at the
+/// end of the sweep.
 void qcMotionLimiter::CommitAll(btScalar timeStep)
 {
     for (qcSweptObject* swept : m_objects.Get())
@@ -395,7 +396,9 @@ void qcMotionLimiter::CommitAll(btScalar timeStep)
         return a.IsSwept() || b.IsSwept() || m_previouslyStopped.count(numbers) > 0 ||
                ((a.multibody != nullptr || b.multibody != nullptr) && m_previouslyCut.count(numbers) > 0);
     };
-    m_planes.RemoveApproaches(s_impulseSweeps, isStoppedAgain);
+    auto* world = dynamic_cast<btDynamicsWorld*>(m_settings.world);
+    const btScalar slowest = world != nullptr ? world->getSolverInfo().m_restitutionVelocityThreshold : BT_LARGE_FLOAT;
+    m_planes.RemoveApproaches(s_impulseSweeps, slowest, isStoppedAgain);
     m_objects.UpdateMultiBodies();
     std::set<uint32_t> cutAgain;
     for (const Numbers& numbers : m_cut)

@@ -3,6 +3,8 @@
 
 #include "common/rigid_displacement.h"
 
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
+
 #include <algorithm>
 
 namespace
@@ -154,6 +156,48 @@ void ApplyImpulse(const qcSweptObject& swept, const qcSweptObject& other, const 
     else if (swept.multibody != nullptr)
         swept.multibody->ApplyImpulse(swept, arm, impulse, other.IsSwept());
 }
+
+/// The speed at which the points of the last push close in on each other.
+btScalar ClosingSpeedOf(const qcMotionPlane& plane)
+{
+    return plane.normal.dot(VelocityAt(*plane.below.swept, plane.arms[1]) -
+                            VelocityAt(*plane.above.swept, plane.arms[0]));
+}
+
+/// 0 for links: see qcBounces.
+btScalar RestitutionOf(const qcMotionPlane& plane)
+{
+    const qcSweptObject &above = *plane.above.swept, &below = *plane.below.swept;
+    return above.owner != nullptr || below.owner != nullptr
+               ? btScalar(0)
+               : btClamped(gCalculateCombinedRestitutionCallback(above.object, below.object), btScalar(0), btScalar(1));
+}
+
+/// The speed of a point along a direction by a unit impulse on it.
+btScalar InverseMassOf(const qcSweptObject& swept, const btVector3& arm, const btVector3& direction)
+{
+    if (swept.multibody != nullptr)
+        return swept.multibody->DisplacementBy(swept, arm, direction).At(arm).dot(direction);
+    return swept.body == nullptr
+               ? btScalar(0)
+               : swept.body->computeImpulseDenominator(swept.body->getCenterOfMassPosition() + arm, direction);
+}
+
+/// Changes an impulse, between 0 and a limit, so that the two sides part at this speed: it becomes less where other
+/// planes have done a part.
+void SolveImpulse(const qcMotionPlane& plane, btScalar speed, btScalar limit, btScalar* impulse)
+{
+    const qcSweptObject &above = *plane.above.swept, &below = *plane.below.swept;
+    const btScalar inverseMass =
+        InverseMassOf(above, plane.arms[0], plane.normal) + InverseMassOf(below, plane.arms[1], plane.normal);
+    if (!(inverseMass > 0))
+        return;
+    const btScalar sum = btClamped(*impulse + (ClosingSpeedOf(plane) + speed) / inverseMass, btScalar(0), limit);
+    const btVector3 change = plane.normal * (sum - *impulse);
+    ApplyImpulse(above, below, plane.arms[0], change);
+    ApplyImpulse(below, above, plane.arms[1], -change);
+    *impulse = sum;
+}
 } // namespace
 
 btScalar qcCornerRounding(const qcSweptObject& a, const qcSweptObject& b)
@@ -207,26 +251,22 @@ void qcMotionPlanes::SolveOnce()
         SolvePlane(&plane);
 }
 
-void qcMotionPlanes::RemoveApproach(qcMotionPlane* plane)
+void qcMotionPlanes::StopAll(int sweeps)
 {
-    btScalar approach = -plane->normal.dot(VelocityAt(*plane->above.swept, plane->arms[0]) -
-                                           VelocityAt(*plane->below.swept, plane->arms[1]));
-    auto inverseMass = [&](const qcSweptObject& swept, const btVector3& arm)
-    {
-        if (swept.multibody != nullptr)
-            return swept.multibody->DisplacementBy(swept, arm, plane->normal).At(arm).dot(plane->normal);
-        return swept.body == nullptr
-                   ? btScalar(0)
-                   : swept.body->computeImpulseDenominator(swept.body->getCenterOfMassPosition() + arm, plane->normal);
-    };
-    btScalar denominator =
-        inverseMass(*plane->above.swept, plane->arms[0]) + inverseMass(*plane->below.swept, plane->arms[1]);
-    if (!(denominator > 0))
-        return;
-    // Less than before, where other planes have done a part.
-    const btScalar change = std::max(approach / denominator, -plane->impulse);
-    plane->impulse += change;
-    const btVector3 impulse = plane->normal * change;
-    ApplyImpulse(*plane->above.swept, *plane->below.swept, plane->arms[0], impulse);
-    ApplyImpulse(*plane->below.swept, *plane->above.swept, plane->arms[1], -impulse);
+    for (qcMotionPlane* plane : m_stopped)
+        plane->approach = ClosingSpeedOf(*plane);
+    for (int sweep = 0; sweep < sweeps; sweep++)
+        for (qcMotionPlane* plane : m_stopped)
+            SolveImpulse(*plane, 0, BT_LARGE_FLOAT, &plane->stopping);
+}
+
+void qcMotionPlanes::BounceAll(int sweeps, btScalar slowest)
+{
+    for (int sweep = 0; sweep < sweeps; sweep++)
+        for (qcMotionPlane* plane : m_stopped)
+        {
+            const btScalar restitution = RestitutionOf(*plane);
+            if (restitution > 0 && plane->approach >= slowest)
+                SolveImpulse(*plane, restitution * plane->approach, restitution * plane->stopping, &plane->parting);
+        }
 }

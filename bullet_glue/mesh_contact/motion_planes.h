@@ -33,11 +33,13 @@ struct qcMotionPlaneSide
 struct qcMotionPlane
 {
     qcMotionPlaneSide above, below;
-    btVector3 normal;     ///< unit, from below to above
-    btScalar gap;         ///< required distance along the normal, of the two triangles or hulls
-    btScalar pushed;      ///< sum of impulses so far, times the time step
-    btVector3 arms[2];    ///< of the last push, from the centres of above and below
-    btScalar impulse = 0; ///< that removes the approach, so far
+    btVector3 normal;      ///< unit, from below to above
+    btScalar gap;          ///< required distance along the normal, of the two triangles or hulls
+    btScalar pushed;       ///< sum of impulses so far, times the time step
+    btVector3 arms[2];     ///< of the last push, from the centres of above and below
+    btScalar approach = 0; ///< speed along the normal before impulses
+    btScalar stopping = 0; ///< impulse that removes the approach, so far
+    btScalar parting = 0;  ///< impulse of the bounce
     /// The pushes of above and below when no push was needed; a plane that has not been solved has others.
     uint32_t held[2] = {UINT32_MAX, UINT32_MAX};
 };
@@ -52,19 +54,24 @@ class qcMotionPlanes
     void AddHulls(qcSweptObject* below, qcSweptObject* above, const btVector3& normal, btScalar gap);
     /// One Gauss-Seidel sweep over all planes. Moves the ends of free objects.
     void SolveOnce();
-    /// Impulses without restitution where planes have pushed pairs that `isStopped` names; kinetic energy doesn't grow.
-    template <class IsStopped> void RemoveApproaches(int sweeps, const IsStopped& isStopped)
+    /// Impulses where planes have pushed pairs that `isStopped` names: they stop them, and bodies with restitution that
+    /// were not slower than this bounce. Kinetic energy doesn't grow.
+    template <class IsStopped> void RemoveApproaches(int sweeps, btScalar slowest, const IsStopped& isStopped)
     {
-        for (int sweep = 0; sweep < sweeps; sweep++)
-            for (qcMotionPlane& plane : m_planes)
-                if (plane.pushed > 0 && isStopped(*plane.above.swept, *plane.below.swept))
-                    RemoveApproach(&plane);
+        m_stopped.clear();
+        for (qcMotionPlane& plane : m_planes)
+            if (plane.pushed > 0 && isStopped(*plane.above.swept, *plane.below.swept))
+                m_stopped.push_back(&plane);
+        StopAll(sweeps);
+        BounceAll(sweeps, slowest);
     }
 
   private:
-    static void RemoveApproach(qcMotionPlane* plane);
+    void StopAll(int sweeps);
+    void BounceAll(int sweeps, btScalar slowest);
 
     std::vector<qcMotionPlane> m_planes;
+    std::vector<qcMotionPlane*> m_stopped;     ///< those of RemoveApproaches
     std::set<std::array<uint32_t, 4>> m_pairs; ///< those that have a plane
 };
 

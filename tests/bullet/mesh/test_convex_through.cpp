@@ -114,7 +114,7 @@ START_TEST(balls_bounce_off_a_mesh_at_any_speed)
                 if (_i == 0)
                     shape = std::make_unique<btSphereShape>(btScalar(radius));
                 else
-                    shape = std::make_unique<btCapsuleShapeX>(btScalar(radius), btScalar(0.2));
+                    shape = std::make_unique<btCapsuleShapeX>(btScalar(radius), btScalar(_i == 1 ? 0.2 : radius));
                 btRigidBody* ball =
                     made.Add(made.Keep(std::move(shape)), 1,
                              btTransform(btQuaternion::getIdentity(), btVector3(btScalar(0.1), btScalar(height), 0)));
@@ -127,6 +127,30 @@ START_TEST(balls_bounce_off_a_mesh_at_any_speed)
                 ck_assert_msg(rebound > (_i == 0 ? 0.7 : 0.3) && rebound < 1, "radius %g at %g m/s: %g", radius, speed,
                               rebound);
             }
+}
+END_TEST
+
+START_TEST(balls_without_restitution_do_not_bounce_off_a_mesh)
+{
+    for (double speed : {20.0, 40.0, 80.0})
+        for (int start = 0; start < 40; start++)
+        {
+            qcRandomNumbers random(unsigned(start) + 1);
+            qcMeshWorld made;
+            made.Add(made.Keep(qcFloorModel(5, 20).MakeShape()), 0, btTransform::getIdentity());
+            btRigidBody* ball = made.Add(made.Keep(std::make_unique<btSphereShape>(btScalar(0.2))), 1,
+                                         btVector3(0, random.Number(1 + 0.03 * speed, 1 + 0.05 * speed), 0));
+            ball->setLinearVelocity(btVector3(0, btScalar(-speed), 0));
+            btScalar lowest = BT_LARGE_FLOAT, highest = 0;
+            for (int step = 0; step < 60; step++)
+            {
+                made.Step();
+                const btScalar height = ball->getWorldTransform().getOrigin().y();
+                lowest = std::min(lowest, height);
+                highest = lowest < btScalar(0.5) ? std::max(highest, height) : highest;
+            }
+            ck_assert_double_lt(double(highest), 0.7);
+        }
 }
 END_TEST
 
@@ -665,7 +689,8 @@ QC_TEST_MAIN()
                         convex_kinds);
     tcase_add_loop_test(tests, fast_meshes_pass_no_static_convex_shape, 0, convex_kinds);
     tcase_add_test(tests, fast_convex_shapes_that_push_each_other_pass_no_mesh);
-    tcase_add_loop_test(tests, balls_bounce_off_a_mesh_at_any_speed, 0, 2);
+    tcase_add_loop_test(tests, balls_bounce_off_a_mesh_at_any_speed, 0, 3);
+    tcase_add_test(tests, balls_without_restitution_do_not_bounce_off_a_mesh);
     tcase_add_loop_test(tests, a_fast_kinematic_mesh_takes_along_a_convex_shape, 0, convex_kinds);
     tcase_add_loop_test(tests, fast_kinematic_convex_shapes_pass_no_mesh, 0, convex_kinds);
     tcase_add_test(tests, a_kinematic_convex_shape_that_is_put_elsewhere_takes_nothing_along);
