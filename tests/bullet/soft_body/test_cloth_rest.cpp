@@ -1,16 +1,18 @@
-// The cloth of the main demo, 20 000 triangles over a round table: no two of them ever penetrate, and it comes to rest.
+// The cloth of the main demo, 20 000 triangles over a round table: no two of them ever penetrate, it comes to rest, and
+// slides off when it is pulled.
 #include "cloth/world.h"
 
 #include "support/check_ok.h"
 #include "support/long_form.h"
 #include "support/suite.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 namespace
 {
-constexpr int s_shortSteps = 360, s_longSteps = 480, s_fallingStep = 60;
+constexpr int s_shortSteps = 360, s_longSteps = 480, s_fallingStep = 60, s_pulledSteps = 240;
 
 /// Root mean square of the speeds, from positions one step apart.
 double SpeedBetween(const std::vector<float>& before, const std::vector<float>& after)
@@ -72,6 +74,17 @@ START_TEST(a_cloth_over_a_table_comes_to_rest_without_a_penetrating_pair)
     ck_assert_int_gt(contacts, 100);
     // Bullet's solver makes the cloth tremble: by 0.1 m/s without self-collision.
     ck_assert_double_lt(speed, falling / 10);
+    // The second act of the demo: pulled at one edge it slides off the table, and falls.
+    cloth.PullAway();
+    for (int step = 1; step <= s_pulledSteps; step++)
+    {
+        cloth.Step();
+        ck_assert_int_eq(cloth.Statistics().remaining, 0);
+    }
+    float highest = 0;
+    for (size_t i = 1; i < cloth.Positions().size(); i += 3)
+        highest = std::max(highest, cloth.Positions()[i]);
+    ck_assert_double_lt(double(highest), double(qcClothTable::height) / 2);
 }
 END_TEST
 
