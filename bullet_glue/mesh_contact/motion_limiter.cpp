@@ -183,7 +183,7 @@ qcMotionLimiter::MadeParts qcMotionLimiter::FindMadeParts(const qcSweptPair& pai
 {
     MadeParts made;
     for (const qcSweptObject* swept : {pair.first, pair.second})
-        if (swept->IsFree() && (swept->body != nullptr || swept->moves))
+        if (swept->CanBeCut())
         {
             btScalar& part = swept->body != nullptr ? made.ofBodies : made.ofLinks;
             part = std::max(part, swept->MadePart());
@@ -205,7 +205,7 @@ void qcMotionLimiter::Stop(const qcSweptPair& pair, btScalar part, btScalar dist
     for (qcSweptObject* swept : {pair.first, pair.second})
         if (swept->body != nullptr)
             swept->fraction = std::min(swept->fraction, part);
-        else if (swept->multibody != nullptr && swept->moves && !parts.CutsBodies())
+        else if (swept->CanBeCut() && !parts.CutsBodies())
             swept->multibody->CutTo(part);
 }
 

@@ -83,6 +83,11 @@ struct qcSweptObject
     {
         return !IsFree() && moves;
     }
+    /// True for a dynamic body, and for a link that joints have moved in the step.
+    bool CanBeCut() const
+    {
+        return body != nullptr || (multibody != nullptr && moves);
+    }
     /// True if a plane between it and the other object can push it.
     bool CanBePushedBy(const qcSweptObject& other) const
     {

@@ -271,8 +271,11 @@ bool qcMotion_BoxesSeparate(const qcMovingTriangle* a, const qcMovingTriangle* b
 
 bool qcMotion_Separates(const qcMovingTriangle* a, const qcMovingTriangle* b, double direction[3])
 {
-    if (qcMotion_BoxesSeparate(a, b, direction))
-        return true;
+    return qcMotion_BoxesSeparate(a, b, direction) || qcMotion_FindDirection(a, b, direction);
+}
+
+bool qcMotion_FindDirection(const qcMovingTriangle* a, const qcMovingTriangle* b, double direction[3])
+{
     RelativeCorners r;
     if (!MakeRelative(a->start, b->start, r.a[0], r.b[0]) || !MakeRelative(a->end, b->end, r.a[1], r.b[1]))
         return false;

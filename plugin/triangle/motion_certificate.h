@@ -20,6 +20,9 @@ bool qcMotion_BoxesSeparate(const qcMovingTriangle* a, const qcMovingTriangle* b
 /// `direction` (may be null), of any length, from B towards A. O(1).
 bool qcMotion_Separates(const qcMovingTriangle* a, const qcMovingTriangle* b, double direction[3]);
 
+/// Likewise, for triangles that qcMotion_BoxesSeparate does not prove apart.
+bool qcMotion_FindDirection(const qcMovingTriangle* a, const qcMovingTriangle* b, double direction[3]);
+
 /// True if two triangles with common corners, whose positions are equal at both ends, are proven to have no other
 /// common point. `indicesA`, `indicesB`: the corners' vertex indices.
 bool qcMotion_SeparatesNeighbours(const qcMovingTriangle* a, const uint32_t indicesA[3], const qcMovingTriangle* b,

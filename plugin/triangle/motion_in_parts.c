@@ -177,11 +177,11 @@ bool qcMotion_StaysApart(const qcMovingTriangle* a, const qcMovingTriangle* b)
     for (int i = 0; i < 4; i++)
         size = sizes[i] <= size ? size : sizes[i];
     if (!(size >= s_minSize && size <= s_maxSize))
-        return qcMotion_Separates(a, b, NULL);
+        return qcMotion_FindDirection(a, b, NULL);
     const Times crossing = FindCommonCrossing(&pair);
     if (MeetWithin(&pair, crossing, soon, 3))
         return false;
-    if (qcMotion_Separates(a, b, NULL))
+    if (qcMotion_FindDirection(a, b, NULL))
         return true;
     return AreDisjoint(a->end, b->end) && AreDisjoint(a->start, b->start) && !MeetWithin(&pair, crossing, late, 4) &&
            HalvesAreProven(&pair, size, qc_maxDepth);

@@ -53,35 +53,78 @@ inline qcBodyDef qcBodyOf(const qcWorldMesh& soup)
     return def;
 }
 
-/// Remembers where bodies were, and counts pairs of triangles of different bodies that penetrate on the way to where
-/// they are. One scene serves all moments: a scene's first query takes several times as long as a later one.
-class qcMotionOracle
+/// Triangles that are placed by their vertices. One scene serves all places: a scene's first query takes several times
+/// as long as a later one.
+class qcPlacedTriangles
 {
   public:
-    static constexpr int s_moments = 16;
-
-    qcMotionOracle()
+    qcPlacedTriangles()
     {
         qcSceneDef def = qcDefaultSceneDef();
         ck_assert_int_eq(qcScene_Create(&def, &m_scene), qc_statusOk);
     }
-    ~qcMotionOracle()
+    ~qcPlacedTriangles()
     {
         qcScene_Destroy(m_scene);
     }
-    qcMotionOracle(const qcMotionOracle&) = delete;
-    qcMotionOracle& operator=(const qcMotionOracle&) = delete;
+    qcPlacedTriangles(const qcPlacedTriangles&) = delete;
+    qcPlacedTriangles& operator=(const qcPlacedTriangles&) = delete;
+
+    /// `owner`: see qcBodyDef.
+    qcBodyId Add(const qcWorldMesh& soup, uint32_t owner = 0)
+    {
+        qcBodyDef def = qcBodyOf(soup);
+        def.deforming = true;
+        def.selfCollision = false;
+        def.owner = owner;
+        qcBodyId id;
+        ck_assert_int_eq(qcScene_AddBody(m_scene, &def, &id), qc_statusOk);
+        return id;
+    }
+    void Remove(qcBodyId id)
+    {
+        ck_assert_int_eq(qcScene_RemoveBody(m_scene, id), qc_statusOk);
+    }
+    void Place(qcBodyId id, const std::vector<double>& positions)
+    {
+        ck_assert_int_eq(qcScene_SetVertices(m_scene, id, positions.data(), qc_positionF64, 0), qc_statusOk);
+    }
+    /// On the straight way from the start, at time 0, to the end, at 1.
+    void PlaceBetween(qcBodyId id, const std::vector<double>& start, const std::vector<double>& end, double time)
+    {
+        std::vector<double> positions(end.size());
+        for (size_t i = 0; i < end.size(); i++)
+            positions[i] = (1 - time) * start[i] + time * end[i];
+        Place(id, positions);
+    }
+    /// The pairs that penetrate, until the next call.
+    const qcResult& Detect()
+    {
+        qcDetectDef def = qcDefaultDetectDef();
+        def.method = qc_methodSweep;
+        def.threads = 1;
+        const qcResult* result = nullptr;
+        ck_assert_int_eq(qcScene_Detect(m_scene, &def, &result), qc_statusOk);
+        return *result;
+    }
+
+  private:
+    qcScene* m_scene = nullptr;
+};
+
+/// Remembers where bodies were, and counts pairs of triangles of different bodies that penetrate on the way to where
+/// they are.
+class qcMotionOracle
+{
+  public:
+    static constexpr int s_moments = 16;
 
     /// `now` returns the body's triangles where they are. `owner`: see qcBodyDef.
     void Add(std::function<qcWorldMesh()> now, uint32_t owner = 0)
     {
         Body body{std::move(now), {}, {}};
         qcWorldMesh soup = body.now();
-        qcBodyDef def = qcBodyOf(soup);
-        def.deforming = true;
-        def.selfCollision = false;
-        def.owner = owner;
-        ck_assert_int_eq(qcScene_AddBody(m_scene, &def, &body.id), qc_statusOk);
+        body.id = m_triangles.Add(soup, owner);
         body.start = std::move(soup.positions);
         m_bodies.push_back(std::move(body));
     }
@@ -121,33 +164,15 @@ class qcMotionOracle
         {
             for (size_t i = 0; i < m_bodies.size(); i++)
                 if (m_bodies[i].start != ends[i])
-                    Move(m_bodies[i], ends[i], double(k) / moments);
-            count = std::max(count, CountPenetrating());
+                    m_triangles.PlaceBetween(m_bodies[i].id, m_bodies[i].start, ends[i], double(k) / moments);
+            count = std::max(count, m_triangles.Detect().pairCount);
         }
         for (size_t i = 0; i < m_bodies.size(); i++)
             m_bodies[i].start = std::move(ends[i]);
         return count;
     }
 
-    void Move(const Body& body, const std::vector<double>& end, double time)
-    {
-        std::vector<double> positions(end.size());
-        for (size_t i = 0; i < end.size(); i++)
-            positions[i] = (1 - time) * body.start[i] + time * end[i];
-        ck_assert_int_eq(qcScene_SetVertices(m_scene, body.id, positions.data(), qc_positionF64, 0), qc_statusOk);
-    }
-
-    size_t CountPenetrating()
-    {
-        qcDetectDef def = qcDefaultDetectDef();
-        def.method = qc_methodSweep;
-        def.threads = 1;
-        const qcResult* result = nullptr;
-        ck_assert_int_eq(qcScene_Detect(m_scene, &def, &result), qc_statusOk);
-        return result->pairCount;
-    }
-
-    qcScene* m_scene = nullptr;
+    qcPlacedTriangles m_triangles;
     std::vector<Body> m_bodies;
 };
 

@@ -4,7 +4,6 @@
 
 #include "bullet/mesh/motion_oracle.h"
 
-#include <memory>
 #include <set>
 #include <string>
 
@@ -28,33 +27,16 @@ struct qcFollowedObject
 class qcMeetingOracle
 {
   public:
-    qcMeetingOracle()
-    {
-        qcSceneDef def = qcDefaultSceneDef();
-        ck_assert_int_eq(qcScene_Create(&def, &m_scene), qc_statusOk);
-    }
-    ~qcMeetingOracle()
-    {
-        qcScene_Destroy(m_scene);
-    }
-    qcMeetingOracle(const qcMeetingOracle&) = delete;
-    qcMeetingOracle& operator=(const qcMeetingOracle&) = delete;
-
     void Add(qcFollowedObject object)
     {
-        qcWorldMesh soup = object.inner();
-        qcBodyDef def = qcBodyOf(soup);
-        def.deforming = true;
-        def.selfCollision = false;
-        Entry entry{std::move(object), {}, {}};
-        ck_assert_int_eq(qcScene_AddBody(m_scene, &def, &entry.id), qc_statusOk);
-        m_entries.push_back(std::move(entry));
+        const qcBodyId id = m_triangles.Add(object.inner());
+        m_entries.push_back({std::move(object), id, {}});
     }
     void Remove(const btCollisionObject* object)
     {
         auto isIt = [object](const Entry& entry) { return entry.followed.object == object; };
         auto found = std::find_if(m_entries.begin(), m_entries.end(), isIt);
-        ck_assert_int_eq(qcScene_RemoveBody(m_scene, found->id), qc_statusOk);
+        m_triangles.Remove(found->id);
         m_entries.erase(found);
     }
 
@@ -64,7 +46,7 @@ class qcMeetingOracle
         for (Entry& entry : m_entries)
         {
             entry.start = entry.followed.inner().positions;
-            Place(entry, entry.followed.outer().positions);
+            m_triangles.Place(entry.id, entry.followed.outer().positions);
         }
         m_meetings = FindMeetings();
     }
@@ -78,7 +60,7 @@ class qcMeetingOracle
         for (int k = 1; k <= s_moments; k++)
         {
             for (size_t i = 0; i < m_entries.size(); i++)
-                PlaceBetween(m_entries[i], ends[i], double(k) / s_moments);
+                m_triangles.PlaceBetween(m_entries[i].id, m_entries[i].start, ends[i], double(k) / s_moments);
             for (const Pair& pair : FindMeetings())
                 if (m_meetings.count(pair) == 0)
                     met.insert(pair);
@@ -100,28 +82,13 @@ class qcMeetingOracle
     };
     using Pair = std::pair<size_t, size_t>; ///< indices of entries, the smaller one first
 
-    void Place(const Entry& entry, const std::vector<double>& positions)
-    {
-        ck_assert_int_eq(qcScene_SetVertices(m_scene, entry.id, positions.data(), qc_positionF64, 0), qc_statusOk);
-    }
-    void PlaceBetween(const Entry& entry, const std::vector<double>& end, double time)
-    {
-        std::vector<double> positions(end.size());
-        for (size_t i = 0; i < end.size(); i++)
-            positions[i] = (1 - time) * entry.start[i] + time * end[i];
-        Place(entry, positions);
-    }
     static bool MayMeet(const qcFollowedObject& a, const qcFollowedObject& b)
     {
         return !(a.moves || b.moves) || (a.isConvex && b.isConvex) || (a.owner != nullptr && a.owner == b.owner);
     }
     std::set<Pair> FindMeetings()
     {
-        qcDetectDef def = qcDefaultDetectDef();
-        def.method = qc_methodSweep;
-        def.threads = 1;
-        const qcResult* result = nullptr;
-        ck_assert_int_eq(qcScene_Detect(m_scene, &def, &result), qc_statusOk);
+        const qcResult& result = m_triangles.Detect();
         auto indexOf = [this](uint32_t slot)
         {
             return size_t(std::find_if(m_entries.begin(), m_entries.end(),
@@ -129,16 +96,16 @@ class qcMeetingOracle
                           m_entries.begin());
         };
         std::set<Pair> meetings;
-        for (size_t i = 0; i < result->pairCount; i++)
+        for (size_t i = 0; i < result.pairCount; i++)
         {
-            const Pair pair = std::minmax(indexOf(result->pairs[i].bodyA), indexOf(result->pairs[i].bodyB));
+            const Pair pair = std::minmax(indexOf(result.pairs[i].bodyA), indexOf(result.pairs[i].bodyB));
             if (!MayMeet(m_entries[pair.first].followed, m_entries[pair.second].followed))
                 meetings.insert(pair);
         }
         return meetings;
     }
 
-    qcScene* m_scene = nullptr;
+    qcPlacedTriangles m_triangles;
     std::vector<Entry> m_entries;
     std::set<Pair> m_meetings; ///< at the start of the step
 };
