@@ -37,7 +37,9 @@ static inline void qcMemoryUse_Add(qcMemoryUse* memory)
 {
     ck_assert_int_lt(memory->count, qc_memorySamples);
     memory->bytes[memory->count] = qcGetByteCount();
-    memory->heapBytes[memory->count] = mallinfo2().uordblks;
+    // Large allocations have mappings of their own; which ones do changes as a program runs.
+    const struct mallinfo2 heap = mallinfo2();
+    memory->heapBytes[memory->count] = heap.uordblks + heap.hblkhd;
     memory->residentKb[memory->count++] = qcResidentKb();
 }
 
