@@ -102,7 +102,7 @@ void qcClothWorld::PullAway()
     for (int node : held)
         m_cloth->appendAnchor(node, &m_grip, true);
     // Over a table as rough as in the first act, the cloth stretches rather than slips.
-    m_table.setFriction(btScalar(0.05));
+    m_table.setFriction(btScalar(0.1));
     // The pull has to reach the other side, a hundred edges away: with 8 rounds in a step the cloth is rubber.
     m_cloth->m_cfg.piterations = 20;
     m_pulled = 0;

@@ -34,6 +34,15 @@ btVector3 StartOf(const qcSceneSoftBody& soft, const qcHeldContact& contact)
     return sum;
 }
 
+/// Where Bullet has the soft side now.
+btVector3 PresentOf(const qcSceneSoftBody& soft, const qcHeldContact& contact)
+{
+    btVector3 sum(0, 0, 0);
+    for (int i = 0; i < contact.count; i++)
+        sum += soft.body->m_nodes[int(contact.nodes[i])].m_x * contact.weights[i];
+    return sum;
+}
+
 /// Fills Bullet's contact of a face with a node, whose normal is towards the node.
 void Fill(const qcSceneSoftBody& soft, const qcHeldContact& held, const btVector3& normal, btScalar distance,
           btSoftBody::Node* node, btSoftBody::Face* face, btSoftBody::SContact* contact)
@@ -92,6 +101,19 @@ void qcHeldContacts::Keep(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
     }
 }
 
+/// The distance at which a contact holds. Bullet moves an approaching side to it, also from further away: a pull that
+/// contact would push back, with friction. So it holds no nearer than the side gets by itself.
+btScalar qcHeldContacts::DistanceOf(const Inserted& inserted)
+{
+    const qcSceneSoftBody& soft = *inserted.soft;
+    const qcHeldContact& contact = *inserted.contact;
+    const btScalar gap = inserted.normal.dot(StartOf(soft, contact) - inserted.start);
+    const btScalar held = qcHeldShare * contact.thickness;
+    if (gap < held)
+        return gap + qcGapRecoveryOf(soft.body->m_sst.sdt) * (held - gap);
+    return btClamped(inserted.normal.dot(PresentOf(soft, contact) - inserted.end), held, gap);
+}
+
 void qcHeldContacts::Insert(qcSoftBodyScene& scene)
 {
     m_inserted.clear();
@@ -120,11 +142,9 @@ void qcHeldContacts::Insert(qcSoftBodyScene& scene)
         const Inserted& inserted = m_inserted[i];
         m_nodes[i].m_q = inserted.start;
         m_nodes[i].m_x = inserted.end;
-        btScalar gap = inserted.normal.dot(StartOf(*inserted.soft, *inserted.contact) - inserted.start);
-        const btScalar held = qcHeldShare * inserted.contact->thickness;
-        btScalar distance = gap < held ? gap + qcGapRecoveryOf(inserted.soft->body->m_sst.sdt) * (held - gap) : held;
         btSoftBody::SContact contact;
-        Fill(*inserted.soft, *inserted.contact, inserted.normal, distance, &m_nodes[i], &m_faces[i], &contact);
+        Fill(*inserted.soft, *inserted.contact, inserted.normal, DistanceOf(inserted), &m_nodes[i], &m_faces[i],
+             &contact);
         inserted.soft->body->m_scontacts.push_back(contact);
     }
 }
@@ -140,9 +160,8 @@ void qcHeldContacts::Remove(qcSoftBodyScene& scene)
         btSoftBody& body = *inserted.soft->body;
         // Coulomb friction takes back sliding, at most the normal push times the coefficient.
         btScalar pushed = inserted.normal.dot(inserted.end - m_nodes[i].m_x) / s_pointShare;
-        btVector3 motion = inserted.start - inserted.end - StartOf(*inserted.soft, held);
-        for (int k = 0; k < held.count; k++)
-            motion += body.m_nodes[int(held.nodes[k])].m_x * held.weights[k];
+        const btVector3 motion =
+            inserted.start - inserted.end - StartOf(*inserted.soft, held) + PresentOf(*inserted.soft, held);
         btVector3 sliding = motion - inserted.normal * inserted.normal.dot(motion);
         btScalar length = sliding.length(), largest = held.friction * std::max(btScalar(0), pushed);
         if (length <= SIMD_EPSILON)

@@ -40,6 +40,8 @@ class qcHeldContacts
         btVector3 normal, start, end; ///< of the rigid point, at the start and at the end of the step
     };
 
+    static btScalar DistanceOf(const Inserted& inserted);
+
     std::vector<btSoftBody::Node> m_nodes; ///< a point of the rigid object each
     std::vector<btSoftBody::Face> m_faces; ///< up to three nodes of the soft body each
     std::vector<Inserted> m_inserted;
