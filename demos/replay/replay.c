@@ -136,7 +136,24 @@ bool qcReplay_Count(qcReplayTotals* totals, const qcDetection* detection)
     return AddTime(totals, detection->ms);
 }
 
-/// The definition as options change it. Methods that sample find intersections only.
+/// A detection that fails in the replay compares by its status. False: the failure is one of the machine, and ends the
+/// replay.
+static bool CompareFailure(const qcOperation* operation, qcStatus status, qcDetection* detection)
+{
+    const bool wasRecorded = operation->hasResult && operation->resultStatus == status;
+    if (!wasRecorded && status != qc_statusTooManyPairs)
+        return false;
+    detection->recordedPairs = operation->resultHash.pairCount;
+    detection->verdict = wasRecorded ? qc_verdictSame : qc_verdictDiffers;
+    if (!wasRecorded)
+    {
+        AddReason(detection, "status: ");
+        AddReason(detection, qcStatus_Name(status));
+    }
+    return true;
+}
+
+/// The definition as options change it. Methods that sample find intersections only, and are compared with all of them.
 static qcDetectDef DefOf(const qcReplayOptions* options, const qcDetectDef* recorded)
 {
     qcDetectDef def = *recorded;
@@ -149,6 +166,7 @@ static qcDetectDef DefOf(const qcReplayOptions* options, const qcDetectDef* reco
         def.margin = def.reliable ? def.margin : 0.0;
         def.contactMargin = 0.0;
         def.motion = false;
+        def.maxPairs = 0;
     }
     return def;
 }
@@ -168,32 +186,40 @@ static qcExitStatus CompareWithSweep(Run* run, const qcDetectDef* given, const q
     return qc_exitDone;
 }
 
-static qcExitStatus Detect(Run* run, const qcOperation* operation)
+/// Runs a detection and compares its result.
+static qcExitStatus DetectAndCompare(Run* run, const qcOperation* operation, qcDetection* detection)
 {
-    qcReplayTotals* totals = run->totals;
-    qcDetection detection = {.number = totals->detections, .operation = operation->number};
     qcDetectDef def = DefOf(run->options, &operation->detect);
     const qcResult* result;
     double start = qcStopwatch_NowMs();
     qcStatus status = qcScene_Detect(run->scene, &def, &result);
-    detection.ms = qcStopwatch_NowMs() - start;
+    detection->ms = qcStopwatch_NowMs() - start;
+    detection->method = def.method;
     if (status != qc_statusOk)
     {
+        if (CompareFailure(operation, status, detection))
+            return qc_exitDone;
         char place[96];
-        snprintf(place, sizeof place, "detection %llu, operation %llu: ", (unsigned long long)detection.number,
-                 (unsigned long long)detection.operation);
+        snprintf(place, sizeof place, "detection %llu, operation %llu: ", (unsigned long long)detection->number,
+                 (unsigned long long)detection->operation);
         return Fail(run, status, place);
     }
-    detection.method = result->profile.method;
-    detection.fallback = result->profile.fallback;
-    detection.pairs = result->pairCount;
-    detection.contacts = result->contactCount;
-    detection.points = result->manifoldPointCount;
-    qcExitStatus ending = qc_exitDone;
+    detection->method = result->profile.method;
+    detection->fallback = result->profile.fallback;
+    detection->pairs = result->pairCount;
+    detection->contacts = result->contactCount;
+    detection->points = result->manifoldPointCount;
     if (Samples(def.method))
-        ending = CompareWithSweep(run, &def, result, &detection);
-    else
-        Compare(operation, &def, result, &detection);
+        return CompareWithSweep(run, &def, result, detection);
+    Compare(operation, &def, result, detection);
+    return qc_exitDone;
+}
+
+static qcExitStatus Detect(Run* run, const qcOperation* operation)
+{
+    qcReplayTotals* totals = run->totals;
+    qcDetection detection = {.number = totals->detections, .operation = operation->number};
+    const qcExitStatus ending = DetectAndCompare(run, operation, &detection);
     if (ending != qc_exitDone)
         return ending;
     totals->pairs += detection.pairs;

@@ -138,6 +138,32 @@ START_TEST(pairs_that_a_sampling_method_misses_are_counted)
 }
 END_TEST
 
+START_TEST(a_detection_that_failed_is_replayed_like_the_others)
+{
+    EnterFolder();
+    qcScene* scene = qcMakeScene(NULL);
+    CHECK_OK(qcScene_Record(scene, "a.qcr"));
+    qcSoup soup = qcSoup_MakeFoldedCloth(2, 16, 0.02, 0.03);
+    qcBodyDef bodyDef = qcBodyDefOf(&soup);
+    qcBodyId id;
+    CHECK_OK(qcScene_AddBody(scene, &bodyDef, &id));
+    for (int i = 0; i < qc_detections; i++)
+    {
+        qcDetectDef def = qcDefaultDetectDef();
+        def.margin = 0.01;
+        def.maxPairs = i == 1 ? 3 : 0;
+        const qcResult* result;
+        ck_assert_int_eq(qcScene_Detect(scene, &def, &result), i == 1 ? qc_statusTooManyPairs : qc_statusOk);
+    }
+    qcScene_Destroy(scene);
+    qcSoup_Free(&soup);
+    ck_assert_msg(Run(REPLAY " a.qcr") == 0, "%s%s", GetOutput(), GetErrors());
+    ck_assert_ptr_nonnull(strstr(GetOutput(), "4 results are the recorded ones, 0 differ"));
+    ck_assert_int_eq(Run(REPLAY " --method brute --each a.qcr"), 0);
+    LeaveFolder();
+}
+END_TEST
+
 START_TEST(operations_are_listed_with_their_bytes)
 {
     EnterFolder();
@@ -191,4 +217,5 @@ END_TEST
 
 QC_RUN_TESTS("replay_program", a_recording_replays_equal_by_every_method_that_never_misses,
              a_result_that_differs_is_named_and_fails, pairs_that_a_sampling_method_misses_are_counted,
-             operations_are_listed_with_their_bytes, help_names_both_kinds_of_recordings, mistakes_and_damage_are_named)
+             a_detection_that_failed_is_replayed_like_the_others, operations_are_listed_with_their_bytes,
+             help_names_both_kinds_of_recordings, mistakes_and_damage_are_named)
