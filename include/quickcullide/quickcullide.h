@@ -4,6 +4,7 @@
 #define QUICKCULLIDE_QUICKCULLIDE_H
 
 #include "base.h"
+#include "hash.h"
 #include "device.h"
 #include "scene.h"
 #include "buffers.h"

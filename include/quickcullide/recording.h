@@ -138,7 +138,7 @@ typedef struct qcRecordingInfo
 } qcRecordingInfo;
 
 /// Opens a file. qc_statusFile: it can't be read, is no recording, or is of a newer format; the message names the
-/// reason. qc_statusOutOfMemory.
+/// reason. qc_statusOutOfMemory. After a failure the recording is null.
 QC_API qcStatus qcRecording_Open(const char* path, qcRecording** recording);
 /// Closes the file. Null is allowed.
 QC_API void qcRecording_Close(qcRecording* recording);

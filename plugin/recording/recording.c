@@ -367,6 +367,8 @@ static qcStatus ReadFirst(qcRecording* recording)
 
 qcStatus qcRecording_Open(const char* path, qcRecording** recording)
 {
+    if (recording != NULL)
+        *recording = NULL;
     if (path == NULL || recording == NULL)
         return qcFail(qc_statusBadInput, "qcRecording_Open: %s is null", path == NULL ? "path" : "recording");
     qcRecording* opened = qcAllocateZeroed(sizeof *opened);

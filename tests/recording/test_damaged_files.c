@@ -211,8 +211,10 @@ END_TEST
 
 START_TEST(what_is_no_recording_is_refused_with_its_name)
 {
-    qcRecording* recording = NULL;
+    char garbage;
+    qcRecording* recording = (qcRecording*)(void*)&garbage;
     ck_assert_int_eq(qcRecording_Open("/no/such/file.qcr", &recording), qc_statusFile);
+    ck_assert_ptr_null(recording);
     ck_assert_ptr_nonnull(strstr(qcLastMessage(), "/no/such/file.qcr can't be opened: No such file"));
     ck_assert_int_eq(qcRecording_Open("/", &recording), qc_statusFile);
     ck_assert_ptr_nonnull(strstr(qcLastMessage(), "/ can't be read: Is a directory"));
