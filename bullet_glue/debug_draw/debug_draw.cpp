@@ -92,12 +92,16 @@ qcDebugDraw::~qcDebugDraw()
 
 void qcDebugDraw::add(qcSoftBodyContact* contact)
 {
+    if (contact == nullptr)
+        return;
     m_softContacts.push_back(contact);
     setModes(m_modes);
 }
 
 void qcDebugDraw::add(qcMeshContact* contact)
 {
+    if (contact == nullptr)
+        return;
     m_meshContacts.push_back(contact);
     setModes(m_modes);
 }

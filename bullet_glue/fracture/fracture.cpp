@@ -455,8 +455,9 @@ qcPieceMotion qcMotionOfPiece(const btRigidBody& body, const qcFracture& fractur
     const btTransform& transform = body.getWorldTransform();
     btVector3 arm = transform.getBasis() * piece.frame.getOrigin();
     double inverseMass = double(body.getInvMass());
+    const double part = total > 0 ? piece.volume / total : 0;
     // A body of mass 0 is a static one.
-    motion.mass = inverseMass > 0 ? std::max(btScalar(piece.volume / total / inverseMass), s_minMass) : btScalar(0);
+    motion.mass = inverseMass > 0 ? std::max(btScalar(part / inverseMass), s_minMass) : btScalar(0);
     motion.transform = btTransform(transform.getBasis() * piece.frame.getBasis(), transform.getOrigin() + arm);
     motion.linearVelocity = body.getLinearVelocity() + body.getAngularVelocity().cross(arm);
     motion.angularVelocity = body.getAngularVelocity();

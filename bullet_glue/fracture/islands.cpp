@@ -92,7 +92,8 @@ std::vector<double> qcBondEnergies(const qcFracture& fracture, double toughness)
 
 double qcBreakBonds(const qcFracture& fracture, const qcImpact& impact, std::vector<double>* energies)
 {
-    if (impact.piece >= fracture.pieces.size() || energies->size() != fracture.bonds.size() || !(impact.energy > 0))
+    if (impact.piece >= fracture.pieces.size() || energies == nullptr || energies->size() != fracture.bonds.size() ||
+        !(impact.energy > 0))
         return 0;
     std::vector<std::vector<uint32_t>> bondsOf(fracture.pieces.size());
     for (uint32_t bond = 0; bond < fracture.bonds.size(); bond++)

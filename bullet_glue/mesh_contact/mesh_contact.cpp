@@ -143,11 +143,17 @@ qcMeshContact::qcMeshContact(qcDevice* device) : m_implementation(new Implementa
 
 qcMeshContact::~qcMeshContact() = default;
 
-void qcMeshContact::addTo(btCollisionWorld* world)
+qcStatus qcMeshContact::addTo(btCollisionWorld* world)
 {
     Implementation& my = *m_implementation;
+    if (world == nullptr)
+        return qcFail(qc_statusBadInput, "qcMeshContact::addTo: world is null");
+    if (my.dispatcher != nullptr)
+        return qcFail(qc_statusBadInput, "qcMeshContact::addTo: it has a world already");
+    my.dispatcher = dynamic_cast<btCollisionDispatcher*>(world->getDispatcher());
+    if (my.dispatcher == nullptr)
+        return qcFail(qc_statusBadInput, "qcMeshContact::addTo: the world's dispatcher is no btCollisionDispatcher");
     my.batch.settings.world = world;
-    my.dispatcher = static_cast<btCollisionDispatcher*>(world->getDispatcher());
     if (auto* dynamics = dynamic_cast<btDynamicsWorld*>(world))
     {
         dynamics->addAction(&my.limitAction);
@@ -162,15 +168,19 @@ void qcMeshContact::addTo(btCollisionWorld* world)
         my.Register(FAST_CONCAVE_MESH_PROXYTYPE, type, &my.meshContact, &my.meshQuery);
     my.Register(FAST_CONCAVE_MESH_PROXYTYPE, GIMPACT_SHAPE_PROXYTYPE, &my.meshContact, &my.meshQuery);
     my.Register(FAST_CONCAVE_MESH_PROXYTYPE, STATIC_PLANE_PROXYTYPE, &my.planeContact, &my.planeQuery);
+    return qc_statusOk;
 }
 
-void qcMeshContact::takeOverGImpact()
+qcStatus qcMeshContact::takeOverGImpact()
 {
     Implementation& my = *m_implementation;
+    if (my.dispatcher == nullptr)
+        return qcFail(qc_statusBadInput, "qcMeshContact::takeOverGImpact: it has no world yet");
     my.batch.settings.gimpact = true;
     for (int type : s_meshTypes)
         my.Register(GIMPACT_SHAPE_PROXYTYPE, type, &my.meshContact, &my.meshQuery);
     my.Register(GIMPACT_SHAPE_PROXYTYPE, GIMPACT_SHAPE_PROXYTYPE, &my.meshContact, &my.meshQuery);
+    return qc_statusOk;
 }
 
 void qcMeshContact::updateShape(const btCollisionShape* shape)
@@ -185,10 +195,17 @@ void qcMeshContact::setThreadCount(unsigned threads)
 
 qcStatus qcMeshContact::setMethod(qcMethod method)
 {
-    if (method == qc_methodCullide || method == qc_methodQuick)
-        return qcFail(qc_statusBadInput, "qcMeshContact::setMethod: %s misses pairs", qcMethod_Name(method));
-    m_implementation->batch.settings.method = method;
-    return qc_statusOk;
+    switch (method)
+    {
+        case qc_methodCullide:
+        case qc_methodQuick:
+            return qcFail(qc_statusBadInput, "qcMeshContact::setMethod: %s misses pairs", qcMethod_Name(method));
+        case qc_methodAuto:
+        case qc_methodBrute:
+        case qc_methodLayers:
+        case qc_methodSweep: m_implementation->batch.settings.method = method; return qc_statusOk;
+    }
+    return qcFail(qc_statusBadInput, "qcMeshContact::setMethod: unknown method %d", int(method));
 }
 
 void qcMeshContact::debugDraw(btIDebugDraw* drawer) const

@@ -199,9 +199,14 @@ qcMeshShape::qcMeshShape(const void* positions, qcPositionType type, size_t stri
 qcMeshShape::qcMeshShape(const btStridingMeshInterface* mesh) : m_implementation(new Implementation)
 {
     m_shapeType = FAST_CONCAVE_MESH_PROXYTYPE;
-    TriangleReader reader(&m_implementation->points, &m_implementation->indices);
-    btVector3 far(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
-    mesh->InternalProcessAllTriangles(&reader, -far, far);
+    if (mesh != nullptr)
+    {
+        TriangleReader reader(&m_implementation->points, &m_implementation->indices);
+        btVector3 far(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
+        mesh->InternalProcessAllTriangles(&reader, -far, far);
+    }
+    else
+        m_implementation->status = qcFail(qc_statusBadInput, "qcMeshShape: mesh is null");
     m_implementation->Validate();
     m_implementation->Update();
     m_collisionMargin = m_implementation->DefaultMargin();

@@ -47,9 +47,9 @@ class QC_API qcDebugDraw : public btActionInterface
     qcDebugDraw(const qcDebugDraw&) = delete;
     qcDebugDraw& operator=(const qcDebugDraw&) = delete;
 
-    /// Draws the soft bodies' contact, too: a qcSoftBodySolver or a qcDeformableWorld.
+    /// Draws the soft bodies' contact, too: a qcSoftBodySolver or a qcDeformableWorld. Null: nothing.
     void add(qcSoftBodyContact* contact);
-    /// Draws the meshes' contact, too.
+    /// Draws the meshes' contact, too. Null: nothing.
     void add(qcMeshContact* contact);
 
     /// Bits of qcDebugDrawMode. Candidate pairs are drawn from the next step on.

@@ -78,7 +78,7 @@ ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
     /// See getStatus.
     qcMeshShape(const void* positions, qcPositionType type, size_t stride, uint32_t vertexCount,
                 const uint32_t* indices, uint32_t triangleCount);
-    /// A copy of all parts of one of Bullet's mesh interfaces, with its scaling.
+    /// A copy of all parts of one of Bullet's mesh interfaces, with its scaling. See getStatus.
     explicit qcMeshShape(const btStridingMeshInterface* mesh);
     ~qcMeshShape() override;
     qcMeshShape(const qcMeshShape&) = delete;
@@ -255,12 +255,13 @@ class QC_API qcMeshContact
     /// Registers with the world's dispatcher, which must be a btCollisionDispatcher. For one world, before it has
     /// objects, and after btGImpactCollisionAlgorithm::registerAlgorithm, which would replace the pairs with
     /// btGImpactMeshShape. Pairs of convex shapes with qcMeshShapes get the algorithms of the dispatcher's
-    /// configuration, in place of ones that were registered with the dispatcher.
-    void addTo(btCollisionWorld* world);
+    /// configuration, in place of ones that were registered with the dispatcher. qc_statusBadInput, and nothing
+    /// changes: the world is null, its dispatcher is another one, or this object has a world.
+    qcStatus addTo(btCollisionWorld* world);
     /// From the next pairs on, contact of btGImpactMeshShape with itself and with static triangle meshes is computed
     /// here too. Compounds of GImpact, and its contact with convex shapes and planes, stay Bullet's. Call it after
-    /// addTo.
-    void takeOverGImpact();
+    /// addTo: qc_statusBadInput otherwise.
+    qcStatus takeOverGImpact();
 
     /// Reports that the triangles of one of Bullet's shapes (static triangle mesh, terrain, btGImpactMeshShape; not a
     /// compound of such) have moved: call it where Bullet requires refitTree or postUpdate. They are copied when a pair
@@ -274,8 +275,8 @@ class QC_API qcMeshContact
 
     /// Threads of queries, and of contact and limits of many small meshes; 0, the default: one per core.
     void setThreadCount(unsigned threads);
-    /// The method of the queries; qc_methodAuto by default. qc_statusBadInput: `cullide` and `quick`, which miss pairs;
-    /// the method stays as it was.
+    /// The method of the queries; qc_methodAuto by default. qc_statusBadInput: `cullide` and `quick`, which miss pairs,
+    /// and what is no method; the method stays as it was.
     qcStatus setMethod(qcMethod method);
     /// The work of the last step. Valid until this object is destroyed; changes with each step.
     const qcMeshContactStatistics& getStatistics() const;

@@ -488,6 +488,7 @@ START_TEST(impacts_that_can_not_be_read_break_nothing)
     for (const qcImpact& impact : impacts)
         ck_assert(qcBreakBonds(fracture, impact, &energies) == 0 && energies == whole);
     ck_assert(qcBreakBonds(fracture, {0, btVector3(0, 0, 0), 1e9}, &none) == 0 && none.empty());
+    ck_assert(qcBreakBonds(fracture, {0, btVector3(0, 0, 0), 1e9}, nullptr) == 0);
     ck_assert_uint_eq(qcFindIslands(fracture, whole).size(), 1);
     ck_assert_uint_eq(qcFindIslands(fracture, none).size(), 2);
 }

@@ -437,7 +437,29 @@ START_TEST(methods_that_miss_pairs_are_refused)
     qcMeshContact contact;
     ck_assert_int_eq(contact.setMethod(qc_methodQuick), qc_statusBadInput);
     ck_assert_int_eq(contact.setMethod(qc_methodCullide), qc_statusBadInput);
+    ck_assert_int_eq(contact.setMethod(qcMethod(7)), qc_statusBadInput);
+    ck_assert_str_eq(qcLastMessage(), "qcMeshContact::setMethod: unknown method 7");
     ck_assert_int_eq(contact.setMethod(qc_methodSweep), qc_statusOk);
+}
+END_TEST
+
+START_TEST(contact_is_added_once_to_a_world_that_can_have_it)
+{
+    qcMeshContact contact;
+    ck_assert_int_eq(contact.addTo(nullptr), qc_statusBadInput);
+    ck_assert_int_eq(contact.takeOverGImpact(), qc_statusBadInput);
+    ck_assert_str_eq(qcLastMessage(), "qcMeshContact::takeOverGImpact: it has no world yet");
+    btDefaultCollisionConfiguration configuration;
+    qcBroadphase broadphase;
+    btCollisionWorld undispatched(nullptr, &broadphase, &configuration);
+    ck_assert_int_eq(contact.addTo(&undispatched), qc_statusBadInput);
+    btCollisionDispatcher dispatcher(&configuration);
+    qcBroadphase other;
+    btCollisionWorld world(&dispatcher, &other, &configuration);
+    ck_assert_int_eq(contact.addTo(&world), qc_statusOk);
+    ck_assert_int_eq(contact.takeOverGImpact(), qc_statusOk);
+    ck_assert_int_eq(contact.addTo(&world), qc_statusBadInput);
+    ck_assert_str_eq(qcLastMessage(), "qcMeshContact::addTo: it has a world already");
 }
 END_TEST
 } // namespace
@@ -449,4 +471,5 @@ QC_RUN_TESTS("mesh_contact", contact_tests_use_present_transforms, normals_point
              one_query_a_step_covers_all_pairs, a_body_replaced_by_pieces_between_two_steps_costs_one_query,
              a_shape_may_be_scaled_while_it_rests, margins_may_change_while_bodies_rest,
              bodies_rest_at_the_sum_of_different_margins, a_soft_body_lies_on_a_mesh_as_on_bullets_static_mesh,
-             the_same_calls_give_the_same_trajectories, methods_that_miss_pairs_are_refused)
+             the_same_calls_give_the_same_trajectories, methods_that_miss_pairs_are_refused,
+             contact_is_added_once_to_a_world_that_can_have_it)

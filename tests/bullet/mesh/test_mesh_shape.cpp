@@ -443,6 +443,9 @@ START_TEST(arrays_that_can_not_be_read_are_refused)
     ck_assert_int_eq(statusOf(corners, 3 * sizeof(btScalar) - 1, indices), qc_statusBadInput);
     ck_assert_ptr_nonnull(std::strstr(qcLastMessage(), "qcMeshShape: stride is "));
     ck_assert_int_eq(qcMeshShape(nullptr, qcBulletPositions, 0, 0, nullptr, 0).getStatus(), qc_statusOk);
+    const btStridingMeshInterface* none = nullptr;
+    ck_assert_int_eq(qcMeshShape(none).getStatus(), qc_statusBadInput);
+    ck_assert_str_eq(qcLastMessage(), "qcMeshShape: mesh is null");
 }
 END_TEST
 
