@@ -14,6 +14,8 @@ enum
 // coincide.
 static const double s_levels = 32767.0, s_levelsPerTriangle = 4.0;
 
+static const char s_noGl[] = "no GL device: sweep answered on the CPU";
+
 qcPlan qcPlan_Make(const qcPlanInput* input)
 {
     qcPlan plan = {.method = input->method};
@@ -29,7 +31,7 @@ qcPlan qcPlan_Make(const qcPlanInput* input)
             if (!input->haveGl)
             {
                 plan.method = qc_methodSweep;
-                plan.fallback = "no GL on this device: sweep answered on the CPU";
+                plan.fallback = s_noGl;
                 break;
             }
             plan.useImage = true;
@@ -40,8 +42,9 @@ qcPlan qcPlan_Make(const qcPlanInput* input)
             if (!plan.useLayers)
             {
                 plan.method = qc_methodSweep;
-                plan.fallback = input->motion ? "layers has no motion: sweep answered on the CPU"
-                                              : "no compute shaders on this device: sweep answered on the CPU";
+                plan.fallback = input->motion   ? "layers has no motion: sweep answered on the CPU"
+                                : input->haveGl ? "no compute shaders on this device: sweep answered on the CPU"
+                                                : s_noGl;
             }
             break;
         case qc_methodBrute:

@@ -209,7 +209,7 @@ START_TEST(without_compute_shaders_the_sweep_runs_and_the_profile_names_it)
         qcScene* scene = qcMakeScene(i == 0 ? NULL : none);
         qcAddSoup(scene, &soup);
         qcDetectDef def = qcDefaultDetectDef();
-        CheckFallback(CheckAgainst(qc_methodBrute, scene, &def, "no device"), "no compute shaders");
+        CheckFallback(CheckAgainst(qc_methodBrute, scene, &def, "no device"), "no GL device");
         qcScene_Destroy(scene);
     }
     qcSoup_Free(&soup);
