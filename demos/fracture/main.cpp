@@ -33,8 +33,9 @@ struct Options
 const char s_help[] =
     "A bunny of 4 m falls on a floor, breaks on its first hard impact, and its pieces come to rest.\v"
     "Ctrl-C ends it with a table of what was done.\n\n"
-    "Exit status: 0 done; 1 the mesh could not be read or broken, output could not be written, or a query failed; 2 a "
-    "mistake on the command line; 4 the device does not work here; 130 ended by Ctrl-C.";
+    "Exit status: 0 done; 1 nothing broke that was to be saved, output could not be written, or a query failed; 2 a "
+    "mistake on the command line; 3 the mesh or its pieces can't be read; 4 the device does not work here; 130 ended "
+    "by Ctrl-C.";
 
 /// Pairs of triangles of two pieces that penetrate, by the exact test.
 bool CountPenetrating(const std::vector<std::unique_ptr<qcFractureBody>>& bodies, size_t* pairs)
@@ -121,7 +122,9 @@ int Run(Options options, qcDevice* device)
     qcFractureRun run;
     qcDeviceInfo info;
     qcDevice_GetInfo(device, &info);
-    if (!ReadModel(&options, &model, &pieces) || !Simulate(options, device, info, model, &run))
+    if (!ReadModel(&options, &model, &pieces))
+        return qc_exitBadInput;
+    if (!Simulate(options, device, info, model, &run))
         return qc_exitFailed;
     std::string message;
     if (!qcWriteFractureCsv(std::string(options.common.out) + "/fracture.csv", run, &message))
@@ -130,6 +133,11 @@ int Run(Options options, qcDevice* device)
         return qc_exitFailed;
     }
     qcPrintFractureTable(run, info);
+    if (options.request.save != nullptr && !options.request.precut && !run.broken.happened)
+    {
+        qcDemo_Fail("nothing broke, and " + std::string(options.request.save) + " was not written");
+        return qc_exitFailed;
+    }
     return qcInterrupt_Signal() == 0 ? qc_exitDone : qc_exitSignal + qcInterrupt_Signal();
 }
 
@@ -138,7 +146,7 @@ int View(Options options, qcDevice* device)
     qcFractureModel model;
     qcFracture pieces;
     if (!ReadModel(&options, &model, &pieces))
-        return qc_exitFailed;
+        return qc_exitBadInput;
     qcViewedFracture scene(model, options.request, device);
     return qcView_Run(&scene, options.view, device);
 }

@@ -88,7 +88,7 @@ START_TEST(mistakes_are_refused_with_a_message)
         {"--seeds 0", 2, "--seeds: '0' is not a whole number in 1.."},
         {"--out ''", 2, "--out: no folder is named"},
         {"bunny", 2, "'bunny': options only"},
-        {"--mesh none.obj", 1, "none.obj"},
+        {"--mesh none.obj", 3, "none.obj"},
         {"--steps 1 --out /dev/null/o", 1, "/dev/null"},
     };
     EnterFolder();

@@ -219,8 +219,10 @@ START_TEST(pieces_from_a_file_move_as_those_that_were_saved)
     ck_assert_str_eq(texts[0], texts[1]);
     FindLine(GetOutput(), "It broke in step ");
     ck_assert_int_eq(Run("truncate -s -9 p.qcp && " FRACTURE " --mesh angle.obj --load p.qcp --device none --out o"),
-                     1);
+                     3);
     ck_assert_ptr_nonnull(strstr(GetErrors(), "qcFracture_Load: p.qcp: the last record at byte "));
+    ck_assert_int_eq(Run(FRACTURE " --mesh angle.obj --pieces 5 --steps 3 --save q.qcp --device none --out o"), 1);
+    ck_assert_ptr_nonnull(strstr(GetErrors(), "nothing broke, and q.qcp was not written"));
     LeaveFolder();
 }
 END_TEST
@@ -252,9 +254,9 @@ START_TEST(mistakes_are_refused_with_a_message)
         {"--method quick", 2, "--method: 'quick' is not one of layers, auto, sweep"},
         {"--out ''", 2, "--out: no folder is named"},
         {"bunny.obj", 2, "'bunny.obj': options only"},
-        {"--mesh none.obj", 1, "none.obj: No such file"},
-        {"--mesh angle.obj --load none.qcp", 1, "none.qcp: it can't be opened: No such file"},
-        {"--mesh open.obj", 1, "open.obj: the mesh is not closed"},
+        {"--mesh none.obj", 3, "none.obj: No such file"},
+        {"--mesh angle.obj --load none.qcp", 3, "none.qcp: it can't be opened: No such file"},
+        {"--mesh open.obj", 3, "open.obj: the mesh is not closed"},
         {"--out angle.obj/o", 1, "angle.obj/o"},
     };
     EnterFolder();

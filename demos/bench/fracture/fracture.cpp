@@ -66,7 +66,7 @@ qcExitStatus Run(const Options& options, qcMessage* message)
     if (!qcReadFractureModel(options.mesh, options.triangles, s_extent, &model, &reason))
     {
         qcMessage_Fail(message, "%s", reason.c_str());
-        return qc_exitFailed;
+        return qc_exitBadInput;
     }
     std::vector<qcFractureRow> rows;
     if (!MeasureAll(options, model, &rows, message))
@@ -82,8 +82,8 @@ const char s_help[] =
     "run as convex hulls, by Bullet alone: time of the step in which it breaks and of the steps after it, depth by "
     "exact tests, and rest."
     "\v1200 steps of 1/240 s after the break by default, 120 with --quick; qcStackingSolver, 30 iterations.\n\n"
-    "Exit status: 0 done; 1 the mesh could not be read or broken, output could not be written, or a query failed; 2 a "
-    "mistake on the command line; 130 ended by Ctrl-C.";
+    "Exit status: 0 done; 1 the mesh could not be broken, output could not be written, or a query failed; 2 a mistake "
+    "on the command line; 3 the mesh can't be read; 130 ended by Ctrl-C.";
 } // namespace
 
 extern "C" qcExitStatus qcBench_RunFracture(int argumentCount, char** arguments)
@@ -116,7 +116,7 @@ extern "C" qcExitStatus qcBench_RunFracture(int argumentCount, char** arguments)
     qcMessage message;
     qcExitStatus status = Run(options, &message);
     qcSetParallelFor(nullptr, 0, nullptr);
-    if (status == qc_exitFailed)
+    if (status == qc_exitFailed || status == qc_exitBadInput)
         std::fprintf(stderr, "%s: %s\n", arguments[0], message.text);
     return status;
 }
