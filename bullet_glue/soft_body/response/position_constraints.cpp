@@ -13,6 +13,12 @@
 
 namespace
 {
+// Contacts whose offset at the start was within this cosine of their normal are oriented by it alone.
+constexpr btScalar s_maxTilt = btScalar(0.7);
+// The normal of features tells their side if they were this share of the thickness apart along it at the start, and if
+// it is within this cosine of the contact's.
+constexpr btScalar s_minHeight = btScalar(0.1), s_minAgreement = btScalar(0.3);
+
 void AddNodes(qcSceneSoftBody& body, const uint32_t vertices[3], const double weights[3], btScalar sign,
               qcSoftConstraint* constraint)
 {
@@ -101,6 +107,60 @@ void Orient(btScalar thickness, const btVector3& normal, bool atOnce, qcSoftCons
     }
     constraint->distance = atOnce ? thickness : std::min(startDistance, thickness);
     constraint->missing = thickness - constraint->distance;
+}
+
+/// The corners of a contact's triangles at one time.
+struct ContactCorners
+{
+    btVector3 a[3], b[3];
+
+    ContactCorners(const qcSoftContactView& view, bool atStart)
+    {
+        for (int i = 0; i < 3; i++)
+        {
+            a[i] = OfSoft(*view.a, view.verticesA[i], atStart);
+            b[i] = view.b != nullptr ? OfSoft(*view.b, view.verticesB[i], atStart)
+                   : atStart         ? view.rigid->StartOf(*view.mesh, view.verticesB[i])
+                                     : view.rigid->PresentOf(*view.mesh, view.verticesB[i]);
+        }
+    }
+
+    static const btVector3& OfSoft(const qcSceneSoftBody& soft, uint32_t vertex, bool atStart)
+    {
+        return (atStart ? soft.start : soft.positions)[vertex];
+    }
+
+    /// Of the face, or of both edges; zero: there is none.
+    btVector3 FeatureNormal(const qcSoftContactView& view) const
+    {
+        const bool isVertexA = view.weightsA[0] == 1.0, isVertexB = view.weightsB[0] == 1.0;
+        btVector3 normal(0, 0, 0);
+        if (isVertexA && !isVertexB)
+            normal = (b[1] - b[0]).cross(b[2] - b[0]);
+        else if (isVertexB && !isVertexA)
+            normal = (a[1] - a[0]).cross(a[2] - a[0]);
+        else if (!isVertexA && view.weightsA[2] == 0.0 && view.weightsB[2] == 0.0)
+            normal = (a[1] - a[0]).cross(b[1] - b[0]);
+        return normal.length2() > 0 ? normal.normalized() : btVector3(0, 0, 0);
+    }
+};
+
+/// Orients a contact of surfaces that slide on each other by more than their distance: then its points were beside each
+/// other at the start, and the side on which they were is that of the face or of the edges.
+void OrientByFeatures(const qcSoftContactView& view, qcSoftConstraint* constraint)
+{
+    const btVector3& offset = constraint->startOffset;
+    if (view.normal.dot(offset) >= s_maxTilt * offset.length())
+        return;
+    const btVector3 start = ContactCorners(view, true).FeatureNormal(view);
+    const btScalar height = start.dot(offset),
+                   agreement = ContactCorners(view, false).FeatureNormal(view).dot(view.normal);
+    if (btFabs(height) < s_minHeight * view.thickness || btFabs(agreement) < s_minAgreement)
+        return;
+    const bool hasPassed = (height > 0) != (agreement > 0);
+    constraint->normal = hasPassed ? start * (height > 0 ? btScalar(1) : btScalar(-1)) : view.normal;
+    constraint->distance = std::min(btFabs(height), view.thickness);
+    constraint->missing = view.thickness - constraint->distance;
 }
 
 btVector3 PointOf(const qcSceneSoftBody& soft, const uint32_t vertices[3], const double weights[3])
@@ -264,6 +324,9 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
             Orient(view.thickness, view.normal, false, &constraint);
         }
         constraint.isTangled = tangles.AreTangled(result.contacts[i].bodyA, result.contacts[i].bodyB);
+        // Parts of tangled bodies are on the wrong side at the start.
+        if (!constraint.isTangled && (view.rigid == nullptr || !view.rigid->isReshaped))
+            OrientByFeatures(view, &constraint);
         constraints->push_back(constraint);
         contactOf->push_back(i);
     }

@@ -1,5 +1,6 @@
-// Friction of cloth on a mesh is Coulomb's, at every time step: a strip that hangs over the edge of a table slides off
-// where the weight of what hangs exceeds the friction of what lies, and stays otherwise.
+// Friction of cloth is Coulomb's, at every time step: a strip that hangs over the edge of a table slides off where the
+// weight of what hangs exceeds the friction of what lies, and stays otherwise; a cloth slides down another one, or
+// stays.
 #include "bullet/soft_body/soft_world.h"
 
 #include <BulletSoftBody/btSoftBodyHelpers.h>
@@ -88,6 +89,74 @@ START_TEST(a_strip_slides_off_a_table_where_its_weight_exceeds_its_friction)
     }
 }
 END_TEST
+/// A cloth on a larger one that is pinned. Gravity is tilted instead of both.
+struct TiltedCloths
+{
+    qcSoftWorld made;
+    btSoftBody* cloth;
+
+    TiltedCloths(double friction, double slope)
+    {
+        const double tilt = std::atan(slope);
+        made.SetGravity(btVector3(btScalar(10 * std::sin(tilt)), btScalar(-10 * std::cos(tilt)), 0));
+        btSoftBody* lower = Add(btVector3(3, 0, btScalar(0.6)), 61, 13, friction);
+        for (int i = 0; i < lower->m_nodes.size(); i++)
+            lower->setMass(i, 0);
+        cloth = Add(btVector3(btScalar(0.5), s_height, btScalar(0.3)), 21, 13, friction);
+    }
+
+    /// A rectangle around the y axis; `corner`: that of largest coordinates.
+    btSoftBody* Add(const btVector3& corner, int nodesAlong, int nodesAcross, double friction)
+    {
+        auto at = [&](int x, int z) { return btVector3(btScalar(x), 1, btScalar(z)) * corner; };
+        btSoftBody* added = btSoftBodyHelpers::CreatePatch(made.world.getWorldInfo(), at(-1, -1), at(1, -1), at(-1, 1),
+                                                           at(1, 1), nodesAlong, nodesAcross, 0, true);
+        added->getCollisionShape()->setMargin(btScalar(0.01));
+        added->setTotalMass(btScalar(0.3));
+        added->m_cfg.piterations = 8;
+        added->m_cfg.kDF = btScalar(friction);
+        made.world.addSoftBody(added);
+        made.cloths.push_back(added);
+        return added;
+    }
+
+    double Speed() const
+    {
+        btVector3 sum(0, 0, 0);
+        for (int i = 0; i < cloth->m_nodes.size(); i++)
+            sum += cloth->m_nodes[i].m_v;
+        return double(sum.x()) / cloth->m_nodes.size();
+    }
+
+    /// The mean acceleration in the second half of a second.
+    double Acceleration(int stepsPerSecond)
+    {
+        double middle = 0;
+        for (int step = 0; step < stepsPerSecond; step++)
+        {
+            if (step == stepsPerSecond / 2)
+                middle = Speed();
+            made.world.stepSimulation(btScalar(1.0 / stepsPerSecond), 0);
+        }
+        return 2 * (Speed() - middle);
+    }
+};
+
+START_TEST(a_cloth_slides_down_another_one_as_friction_has_it)
+{
+    const int stepsPerSecond = 60 << _i;
+    const double friction = 0.3;
+    ck_assert_double_lt(std::fabs(TiltedCloths(friction, 0.8 * friction).Acceleration(stepsPerSecond)), 0.02);
+    for (double factor : {1.3, 2.0, 4.0})
+    {
+        const double tilt = std::atan(factor * friction);
+        const double expected = 10 * (std::sin(tilt) - friction * std::cos(tilt));
+        const double found = TiltedCloths(friction, factor * friction).Acceleration(stepsPerSecond);
+        ck_assert_msg(std::fabs(found - expected) < 0.05 * expected, "%g times the friction: %g m/s2, not %g", factor,
+                      found, expected);
+    }
+}
+END_TEST
 } // namespace
 
 QC_TEST_MAIN()
@@ -96,6 +165,7 @@ QC_TEST_MAIN()
     TCase* tests = tcase_create("cloth_friction");
     tcase_set_timeout(tests, 120); // a bound against hanging, not a claim about speed
     tcase_add_loop_test(tests, a_strip_slides_off_a_table_where_its_weight_exceeds_its_friction, 0, 4);
+    tcase_add_loop_test(tests, a_cloth_slides_down_another_one_as_friction_has_it, 0, 3);
     suite_add_tcase(suite, tests);
     return qcRunSuite(suite);
 }

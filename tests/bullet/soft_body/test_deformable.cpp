@@ -120,7 +120,7 @@ START_TEST(a_folded_deformable_cloth_comes_to_rest_untangled)
 {
     Ours world;
     btSoftBody* cloth = world.AddUprightCloth(14);
-    for (int i = 0; i < 480; i++)
+    for (int i = 0; i < 600; i++)
     {
         world.StepApart(1);
         // The layers do not press the lowest one into the floor.
