@@ -36,13 +36,14 @@ enum qcDebugDrawMode
 /// Candidate pairs are reported by queries on request only, which costs a sort of them in each step: this class
 /// requests them as long as its modes contain qc_drawCandidates.
 ///
-/// Must outlive neither the world nor the contact classes. Thread-safety: as the world's.
+/// Destroy it before the world and the contact classes, and after removeAction if further steps follow. Thread-safety:
+/// as the world's.
 class QC_API qcDebugDraw : public btActionInterface
 {
   public:
     /// All modes but the boxes and the candidate pairs, which hide the rest in most scenes.
     explicit qcDebugDraw(btCollisionWorld* world, int modes = qc_drawEverything - qc_drawBoxes - qc_drawCandidates);
-    /// The contact classes report candidates no longer. Destroy this object before them.
+    /// The contact classes report candidates no longer.
     ~qcDebugDraw() override;
     qcDebugDraw(const qcDebugDraw&) = delete;
     qcDebugDraw& operator=(const qcDebugDraw&) = delete;

@@ -96,7 +96,9 @@ struct qcFracture
 QC_API qcFracture qcFracture_Split(const qcFractureDef& def);
 
 /// `count` sites in a box, the same for the same seed. With an impact point they are denser near it, or near the point
-/// of the box next to it. No two are equal, unless the box has too few positions.
+/// of the box next to it. No two are equal, unless the box has too few positions. Give `lower` <= `upper` in each
+/// axis: otherwise the impact counts as at `upper`. Corners that are not finite give sites that are not finite, which
+/// qcFracture_Split refuses. O(count log count). Thread-safety: any thread, several at once.
 QC_API std::vector<btVector3> qcScatterSites(const btVector3& lower, const btVector3& upper, uint32_t count,
                                              uint64_t seed, const btVector3* impact = nullptr);
 
@@ -110,7 +112,7 @@ struct qcPieceMotion
 };
 
 /// The motion of a piece of `body`. `fracture` must be of the body's mesh in the body's frame, whose origin is its
-/// centre of mass. O(pieces).
+/// centre of mass. O(pieces). Thread-safety: any thread, several at once, while none changes the body.
 QC_API qcPieceMotion qcMotionOfPiece(const btRigidBody& body, const qcFracture& fracture, const qcPiece& piece);
 
 /// @name Materials and texture coordinates
@@ -144,12 +146,13 @@ QC_API qcPieceTexture qcTexturePiece(const qcFractureDef& mesh, const qcPiece& p
 
 /// For each corner of the triangles below piece.firstCutTriangle, the weights of its source triangle's three corners, 0
 /// to 1, which add up to 1: they interpolate any other attribute of the mesh. Empty if the piece is not one of this
-/// mesh. O(triangles of the piece).
+/// mesh. O(triangles of the piece). Thread-safety: any thread, several at once.
 QC_API std::vector<btVector3> qcWeightsOfPiece(const qcFractureDef& mesh, const qcPiece& piece);
 /// @}
 
 /// @name Pieces in files
-/// A mesh is split offline, and its pieces are loaded at start.
+/// A mesh is split offline, and its pieces are loaded at start. Thread-safety: any thread, several at once with
+/// different files.
 /// @{
 
 /// Writes a fracture, with its bonds, to a new file (plugin/docs/piece_files.md), in place of an old one.
@@ -160,8 +163,8 @@ QC_API qcStatus qcFracture_Save(const qcFracture& fracture, const char* path, st
 
 /// Reads a file of qcFracture_Save, bit by bit what was saved; between float and double the numbers are rounded.
 /// qc_statusFile: it is missing, not such a file, of another version or damaged, and there are no pieces; the message
-/// names the file, the record and the byte. No content, however damaged, does more harm. qc_statusBadInput: the path is
-/// null. O(size).
+/// names the file, the record and the byte. No file, however damaged, crashes the program. qc_statusBadInput: the path
+/// is null. O(size).
 QC_API qcFracture qcFracture_Load(const char* path);
 /// @}
 
@@ -169,10 +172,13 @@ QC_API qcFracture qcFracture_Load(const char* path);
 /// A mesh is split at load time, and its pieces hold together over their bonds until impacts have broken these:
 ///
 ///     std::vector<double> strength = qcBondEnergies(fracture, 200);
-///     ... an impact: qcBreakBonds(fracture, {piece, place, energy}, &strength);
+///     qcImpact impact; // of what hits a piece
+///     impact.piece = ..., impact.place = ..., impact.energy = ...;
+///     qcBreakBonds(fracture, impact, &strength);
 ///     for (const qcIsland& island : qcFindIslands(fracture, strength)) { a body for each island ... }
 ///
 /// A body of several pieces is a btCompoundShape with each piece at island.frame.inverse() * piece.frame.
+/// Thread-safety: any thread, several at once with different lists of energies, while none changes the body.
 /// @{
 
 /// The energy that breaks each bond: its area times `toughness`, the energy for a squared unit of length (Griffith's

@@ -151,7 +151,8 @@ ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
 /// Returns the new shapes, which must outlive the objects and compounds that use them. The importer keeps the old ones.
 QC_API std::vector<std::unique_ptr<qcMeshShape>> qcRestoreMeshes(btCollisionWorld* world);
 
-/// The work of the last step. Where what was known of all pairs still held, there was none.
+/// The work of the last fixed time step; stepSimulation may make several, or none. A step in which what was known of
+/// all pairs still holds does no work.
 struct qcMeshContactStatistics
 {
     /// Anything but qc_statusOk: an object is not finite (see notFinite), or a query failed, for example because
@@ -219,16 +220,16 @@ struct qcMeshContactStatistics
 /// those that penetrate are exempt. After Bullet has integrated the transforms, in an action of the world, bodies whose
 /// motions are not proven apart are pushed apart or cut back. Static and kinematic objects are not; `unproven` counts
 /// pairs that they press together. A kinematic body moves to where the application sets its transform, and takes along
-/// what is between; one that is put elsewhere needs setInterpolationWorldTransform, too. So do the triangles of a
-/// static or kinematic mesh that the application moves, by updateShape or by another qcMeshShape of the same triangles;
-/// one with a vertex that is further away than half its diagonal is put elsewhere. Convex shapes, in compounds too, and
-/// qcMeshShapes don't pass each other either: where they move against each other in a step by more than half of the
-/// shape's half width, or are pressed into each other by more than a tenth of it, a polyhedron inside of each shape, of
-/// nine tenths of its size, is limited like a mesh; one of four tenths where the larger one is in the mesh already.
-/// Others have Bullet's contact alone. Links of a btMultiBody that the world steps are limited with meshes and with
-/// convex shapes, against all but other links of the same one: the motion of its joints is cut back. On a
-/// btStaticPlaneShape contact alone holds meshes: those that land fast, spin fast or lie under a heap may sink in
-/// before it pushes them out.
+/// what is between; one that is put elsewhere needs setInterpolationWorldTransform, too. The triangles of a static or
+/// kinematic mesh that the application moves, by updateShape or by another qcMeshShape of the same triangles, likewise
+/// take along what is between; a mesh with a vertex that moves further than half of its diagonal is put elsewhere.
+/// Convex shapes, in compounds too, and qcMeshShapes don't pass each other either: where they move against each other
+/// in a step by more than half of the shape's half width, or are pressed into each other by more than a tenth of it, a
+/// polyhedron inside of each shape, of nine tenths of its size, is limited like a mesh; one of four tenths where the
+/// larger one is in the mesh already. Others have Bullet's contact alone. Links of a btMultiBody that the world steps
+/// are limited with meshes and with convex shapes, against all but other links of the same one: the motion of its
+/// joints is cut back. On a btStaticPlaneShape contact alone holds meshes: those that land fast, spin fast or lie under
+/// a heap may sink in before it pushes them out.
 ///
 /// Rest: as long as no two points of a pair have moved against each other by 3 % of both thresholds, its contact points
 /// move with the bodies and nothing is searched.

@@ -44,7 +44,8 @@ struct qcSoftBodySettings
     bool bulletNodeContacts = false;
 };
 
-/// The work of the last step. plugin/docs/troubleshooting.md explains what to do about unusual values.
+/// The work of the last fixed time step; stepSimulation may make several, or none. plugin/docs/troubleshooting.md
+/// explains what to do about unusual values.
 struct qcSoftBodyStatistics
 {
     /// Anything but qc_statusOk: something is not finite (see notFinite), or a query failed, for example because
@@ -62,12 +63,13 @@ struct qcSoftBodyStatistics
     int frozenNodes = 0; ///< deprecated: equal to zoneNodes
     int remaining = 0;   ///< pairs that penetrate at the end of the step: some of the exempt and unproven ones
     int exempt = 0;      ///< pairs tangled since the start of the step, which are untangled over several steps
-    /// Pairs that are not proven apart over the step, though they were apart at its start: only kinematic meshes that
-    /// leave no room do this.
+    /// Pairs that are not proven apart over the step, though they were apart at its start: kinematic meshes or links or
+    /// pinned nodes left no room, or the application moved triangles next to each other by different amounts
+    /// (plugin/docs/never_through.md).
     int unproven = 0;
     int meshes = 0;     ///< bodies with a qcMeshShape near a soft body
     int surfaces = 0;   ///< bodies near a soft body with other shapes that collide as triangles
-    int sweptNodes = 0; ///< nodes and rope links that passed through one of these within the step and were held back
+    int sweptNodes = 0; ///< nodes and rope links that passed through a mesh or surface and were held back
     /// The method of the step's last query for contacts; never qc_methodAuto: `layers` if the device answered for a
     /// part.
     qcMethod method = qc_methodSweep;
@@ -92,9 +94,9 @@ struct qcSoftBodyStatistics
 /// edges with edges within the thickness, on the side from which they came. Last, every pair of triangles without a
 /// common node that was apart at the start of the step is proven to be apart over the whole of it
 /// (qcSoftBodySettings::continuous): nothing passes anything at any speed. What can't be proven is pushed apart, moved
-/// as one, or returned to its start. Only kinematic meshes and links, and pinned nodes, that leave no room are an
-/// exception (qcSoftBodyStatistics::unproven). Momentum is conserved, unless links or bodies with locked axes press
-/// soft bodies against something: then these may stop. The theorem and its limits: plugin/docs/never_through.md.
+/// as one, or returned to its start. Pairs that are left are counted: qcSoftBodyStatistics::unproven. Momentum is
+/// conserved, unless links or bodies with locked axes press soft bodies against something: then these may stop. The
+/// theorem and its limits: plugin/docs/never_through.md.
 ///
 /// Tangled starts: triangles that penetrate at the start of a step are exempt, so a scene may start tangled. Each step
 /// works them apart (qcSoftBodySettings::untangle), over half the thickness and without a velocity for that:

@@ -116,13 +116,13 @@ QC_API qcStatus qcDevice_Create(const qcDeviceDef* def, qcDevice** device);
 /// qc_statusDeviceLost.
 QC_API void qcDevice_Destroy(qcDevice* device);
 
-/// Fills `info` with the device's properties. O(1).
+/// Fills `info` with the device's properties. O(1). qc_statusBadInput: a pointer is null.
 QC_API qcStatus qcDevice_GetInfo(const qcDevice* device, qcDeviceInfo* info);
 
 /// Closes the GL context, lost or not, and opens a new one by the same definition; a device of kind auto keeps the kind
 /// that it had opened. Scenes that use the device stay valid and upload their data in their next step. Meanwhile no
-/// other call may use the device or its scenes. On failure the device stays lost and you may try again. Does nothing
-/// for kind none.
+/// other call may use the device or its scenes. Takes as long as qcDevice_Create. Does nothing for kind none.
+/// qc_statusDevice: no context can be opened now; the device stays lost and you may try again.
 QC_API qcStatus qcDevice_Reopen(qcDevice* device);
 
 /// One coloured triangle soup in a picture.
@@ -198,8 +198,12 @@ static inline qcPictureDef qcDefaultPictureDef(void)
     return def;
 }
 
-/// Draws an antialiased picture into `rgb`: width * height * 3 bytes, sRGB, top row first.
-/// qc_statusDevice: the device is of kind none.
+/// Draws an antialiased picture into `rgb`: width * height * 3 bytes, sRGB, top row first. Returns when it is there.
+/// O(triangles + pixels): meshes are uploaded and drawn three times, and once more for each tile of 2048 x 2048 pixels
+/// beyond the first.
+///
+/// qc_statusBadInput: a pointer is null, or a size, an index or a number of the definition is out of its range.
+/// qc_statusDevice: the device is of kind none, or failed. qc_statusDeviceLost. qc_statusOutOfMemory.
 QC_API qcStatus qcDevice_DrawPicture(qcDevice* device, const qcPictureDef* def, uint8_t* rgb);
 
 #ifdef __cplusplus

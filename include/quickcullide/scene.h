@@ -64,7 +64,7 @@ typedef enum qcActivity
 {
     qc_activityMoving = 0,   ///< tested with every body
     qc_activitySleeping = 1, ///< not tested with itself and with sleeping or static bodies
-    qc_activityStatic = 2    ///< not tested with itself and with sleeping or static bodies
+    qc_activityStatic = 2    ///< treated as sleeping; the two names are for the caller's use
 } qcActivity;
 
 /// A map from local to world space: world = linear * local + translation, computed in double, in this order, without
@@ -95,8 +95,10 @@ typedef struct qcBodyDef
     /// true: positions are in world space and change by qcScene_SetVertices. false, the default: a rigid body,
     /// positions are in local space, and qcScene_SetTransform moves it.
     bool deforming;
-    qcTransform transform; ///< rigid bodies: from local to world space; the identity by default
-    qcActivity activity;   ///< moving by default
+    /// Rigid bodies: from local to world space; the identity by default. Ignored for deforming bodies, but must be
+    /// finite.
+    qcTransform transform;
+    qcActivity activity; ///< moving by default
     /// Bits. Two bodies are tested if (a.group & b.mask) and (b.group & a.mask) are both nonzero. Default 1.
     uint32_t group;
     uint32_t mask; ///< see group; all bits by default
@@ -132,11 +134,12 @@ static inline qcBodyDef qcDefaultBodyDef(void)
 }
 
 /// Adds a body and fills `id`. O(n). qc_statusBadInput: an index is out of range, a position is not finite, or a field
-/// of the definition is invalid; the message names the body and the element.
+/// of the definition is invalid; the message names the body and the element. qc_statusOutOfMemory.
 QC_API qcStatus qcScene_AddBody(qcScene* scene, const qcBodyDef* def, qcBodyId* id);
-/// Removes a body and invalidates its id. qc_statusBadInput: the id is not valid, here and below.
+/// Removes a body and invalidates its id. O(1). qc_statusBadInput: the id is not valid, here and below.
 QC_API qcStatus qcScene_RemoveBody(qcScene* scene, qcBodyId id);
-/// Moves a rigid body. qc_statusBadInput: also if the body deforms or the transform is not finite.
+/// Moves a rigid body. O(1); O(vertices) where their box overflows. qc_statusBadInput: also if the body deforms, the
+/// transform is not finite, or it takes a vertex beyond all finite numbers.
 QC_API qcStatus qcScene_SetTransform(qcScene* scene, qcBodyId id, const qcTransform* transform);
 /// Gives a deforming body new positions in world space, as many as it has vertices, `stride` bytes apart (0: tightly
 /// packed). They are copied, in large scenes on the threads of the last qcScene_Detect. O(n).
@@ -147,13 +150,13 @@ QC_API qcStatus qcScene_SetVertices(qcScene* scene, qcBodyId id, const void* pos
 /// later has no motion until the next mark. O(bodies); the first mark of a deforming body allocates O(vertices).
 /// qc_statusOutOfMemory: nothing has changed.
 QC_API qcStatus qcScene_MarkStart(qcScene* scene);
-/// See qcBodyDef::activity.
+/// See qcBodyDef::activity. O(1), like the three below. qc_statusBadInput: also if the activity is unknown.
 QC_API qcStatus qcScene_SetActivity(qcScene* scene, qcBodyId id, qcActivity activity);
 /// See qcBodyDef::group.
 QC_API qcStatus qcScene_SetFilter(qcScene* scene, qcBodyId id, uint32_t group, uint32_t mask);
 /// See qcBodyDef::selfCollision.
 QC_API qcStatus qcScene_SetSelfCollision(qcScene* scene, qcBodyId id, bool selfCollision);
-/// See qcBodyDef::margin.
+/// See qcBodyDef::margin. qc_statusBadInput: also if the margin is negative or NaN.
 QC_API qcStatus qcScene_SetMargin(qcScene* scene, qcBodyId id, double margin);
 /// The id names a body of the scene that was not removed. O(1).
 QC_API bool qcScene_IsValid(const qcScene* scene, qcBodyId id);
@@ -293,8 +296,8 @@ typedef struct qcDetectDef
     /// Report the pairs that are not proven apart over the motion from the last qcScene_MarkStart to the present, in
     /// which all vertices, also those of rigid bodies, move along straight lines: pairs that no direction separates at
     /// both ends (qcTrianglesStayApart). A pair that isn't reported has no common point at any time of the motion.
-    /// `sweep` proves more pairs than `brute` where a surface turns by more than some 40 degrees: those of parts that
-    /// stay flat.
+    /// Without a mark no body has moved. `sweep` proves more pairs than `brute` where a surface turns by more than some
+    /// 40 degrees: those of parts that stay flat.
     /// Relations and proximities of pairs are those of the start, where reported pairs may be disjoint. With
     /// `neighbours`: also pairs that share a vertex and aren't proven to meet there only. `touching` has no effect.
     /// Pairs without a common vertex are left out, too, if each half, quarter, eighth or sixteenth of the motion has a
@@ -619,7 +622,9 @@ typedef struct qcResult
 /// A method that needs GL where there is none falls back to `sweep`, which gives qcProfile::fallback.
 ///
 /// qc_statusBadInput: `def` is invalid, or its method can't compute what it requests. qc_statusDevice and
-/// qc_statusDeviceLost: the device failed during `cullide` or `quick`; auto and `layers` fall back.
+/// qc_statusDeviceLost: the device failed during `cullide` or `quick`, where auto and `layers` fall back, or while it
+/// had the only copy of a body's positions (qcScene_SetVertexBuffer). qc_statusTooManyPairs: see qcDetectDef::maxPairs.
+/// qc_statusOutOfMemory.
 QC_API qcStatus qcScene_Detect(qcScene* scene, const qcDetectDef* def, const qcResult** result);
 
 /// Begins a step in the background and returns: qcScene_DetectEnd gives its result, the same to the last bit as that of
