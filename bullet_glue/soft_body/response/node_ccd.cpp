@@ -146,12 +146,12 @@ class FirstCrossing : public btTriangleCallback
     const qcDoubleVector m_start, m_motion, m_link, m_turn, m_ends[4];
 };
 
-/// The largest motion of a node in the step.
+/// The largest motion in the step of a node that collides.
 btScalar MaxMotionOf(const qcSceneSoftBody& soft)
 {
     btScalar largest = 0;
-    for (size_t i = 0; i < soft.positions.size(); i++)
-        largest = std::max(largest, soft.positions[i].distance2(soft.start[i]));
+    for (uint32_t node : soft.topology.nodes)
+        largest = std::max(largest, soft.positions[node].distance2(soft.start[node]));
     return btSqrt(largest);
 }
 
@@ -162,10 +162,10 @@ void AddNodeCcd(qcSceneSoftBody& soft, qcSceneRigid& rigid, const qcSceneMesh& m
     btTransform from = (rigid.start * mesh.local).inverse();
     btTransform to = (rigid.object->getWorldTransform() * mesh.local).inverse();
     const double weights[3] = {1, 0, 0};
-    for (size_t i = 0; i < soft.positions.size(); i++)
+    for (uint32_t node : soft.topology.nodes)
     {
-        btVector3 start = from * soft.start[i], end = to * soft.positions[i];
-        const uint32_t vertices[3] = {uint32_t(i), uint32_t(i), uint32_t(i)};
+        btVector3 start = from * soft.start[node], end = to * soft.positions[node];
+        const uint32_t vertices[3] = {node, node, node};
         if (start.distance2(end) <= distance * distance || soft.IsAnchored(vertices, rigid.object))
             continue;
         FirstHit ray(start, end);

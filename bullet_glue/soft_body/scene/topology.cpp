@@ -81,6 +81,18 @@ void AddRopes(const btSoftBody* body, qcSoftTopology* topology, std::vector<bool
     }
 }
 
+std::vector<uint32_t> NodesOf(const btSoftBody* body, const std::vector<uint32_t>& indices)
+{
+    std::vector<bool> isUsed(size_t(body->m_nodes.size()));
+    for (uint32_t node : indices)
+        isUsed[node] = true;
+    std::vector<uint32_t> nodes;
+    for (uint32_t node = 0; node < isUsed.size(); node++)
+        if (isUsed[node])
+            nodes.push_back(node);
+    return nodes;
+}
+
 btScalar LengthOf(const btSoftBody* body, uint32_t a, uint32_t b)
 {
     return (body->m_nodes[int(a)].m_x - body->m_nodes[int(b)].m_x).length();
@@ -143,6 +155,7 @@ qcSoftTopology qcTopologyOf(const btSoftBody* body)
     for (size_t i = 0; i < loose.size(); i++)
         if (loose[i])
             topology.indices.insert(topology.indices.end(), 3, uint32_t(i));
+    topology.nodes = NodesOf(body, topology.indices);
     topology.defaultThickness = DefaultThicknessOf(body, topology);
     topology.isChain = IsChain(body, topology);
     for (int i = 0; i < 3; i++)

@@ -14,6 +14,8 @@ struct qcSoftTopology
     /// that belongs to no face and no rope link.
     std::vector<uint32_t> indices;
     size_t faceCount = 0, ropeCount = 0; ///< triangles
+    /// The nodes of these triangles, ascending. All others are inside a skin of faces, and collide with nothing.
+    std::vector<uint32_t> nodes;
     /// The links with an end that belongs to no face: index and nodes of each. Rope links are chosen from these. Empty
     /// in a body of tetrahedra.
     std::vector<std::pair<int, std::pair<uint32_t, uint32_t>>> looseLinks;

@@ -81,6 +81,36 @@ START_TEST(tetrahedra_lie_on_a_mesh_with_faces_and_without)
 }
 END_TEST
 
+START_TEST(a_node_inside_a_body_of_tetrahedra_is_not_held_by_a_mesh)
+{
+    NodesWorld world;
+    btSoftBody* cube =
+        qcMakeTetraCube(world.world.getWorldInfo(), btVector3(0, btScalar(0.05), 0), 3, btScalar(0.3), false);
+    btSoftBodyHelpers::generateBoundaryFaces(cube);
+    world.Add(cube);
+    qcSoftBodySettings settings;
+    settings.thickness = btScalar(0.01);
+    world.softSolver.setSettings(cube, settings);
+    world.Step(60);
+    // Pressed below the floor little by little, as under a heavy load.
+    const int number = 1 + 4 * 1 + 16 * 1;
+    btSoftBody::Node& inner = cube->m_nodes[number];
+    const btScalar mass = cube->getMass(number);
+    cube->setMass(number, 0);
+    for (btScalar y = inner.m_x.y(); y > btScalar(-0.4); y -= btScalar(0.03))
+    {
+        inner.m_x.setY(y);
+        world.world.stepSimulation(btScalar(1.0 / 60), 0);
+    }
+    ck_assert_double_lt(double(inner.m_x.y()), -0.3);
+    cube->setMass(number, mass);
+    world.SetGravity(btVector3(0, 10, 0));
+    for (int step = 0; step < 120; step++)
+        world.world.stepSimulation(btScalar(1.0 / 60), 0);
+    ck_assert_double_gt(double(inner.m_x.y()), 5);
+}
+END_TEST
+
 START_TEST(a_cloth_that_is_cut_and_loses_its_faces_stays_above_a_mesh)
 {
     NodesWorld world;
@@ -105,4 +135,5 @@ END_TEST
 } // namespace
 
 QC_RUN_TESTS("soft_body_nodes", a_rope_lies_on_a_mesh, tetrahedra_lie_on_a_mesh_with_faces_and_without,
+             a_node_inside_a_body_of_tetrahedra_is_not_held_by_a_mesh,
              a_cloth_that_is_cut_and_loses_its_faces_stays_above_a_mesh)
