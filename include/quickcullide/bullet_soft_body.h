@@ -19,7 +19,7 @@ class btIDebugDraw;
 /// How one soft body collides with itself, other soft bodies and rigid bodies.
 struct qcSoftBodySettings
 {
-    bool selfCollision = true; ///< contacts of the body with itself
+    bool selfCollision = true; ///< contacts of the body with itself; bodies of the reduced model have none
     /// Distance at which surfaces are kept apart, in world units. 0: half the mean edge of the body's faces when it was
     /// added to the world, at most the collision shape's margin and, unless the body started tangled in itself, nine
     /// tenths of the height that all faces but a hundredth exceed (without faces: an eighth of the mean rope link, or

@@ -131,7 +131,9 @@ qcSoftBodySettings qcSoftBodyScene::TakeSettings(const qcSceneSoftBody& tracked)
 
 void qcSoftBodyScene::ApplySettings(qcSceneSoftBody& tracked)
 {
-    const qcSoftBodySettings settings = TakeSettings(tracked);
+    qcSoftBodySettings settings = TakeSettings(tracked);
+    // Contacts move no node of a reduced model.
+    settings.selfCollision = settings.selfCollision && !tracked.body->m_reducedModel;
     // The previous result has no pairs of sleeping bodies, nor of kinds that were off.
     tracked.startsWhereItEnded = tracked.startsWhereItEnded && tracked.moves == tracked.body->isActive() &&
                                  tracked.settings.selfCollision == settings.selfCollision &&

@@ -97,6 +97,20 @@ START_TEST(a_falling_cloth_never_penetrates_itself)
 }
 END_TEST
 
+START_TEST(a_body_of_the_reduced_model_is_not_tested_with_itself)
+{
+    World world;
+    world.AddUprightCloth(12)->m_reducedModel = true;
+    for (int i = 0; i < 60; i++)
+    {
+        world.Step();
+        const qcSoftBodyStatistics& statistics = world.softSolver.getStatistics();
+        ck_assert_int_eq(statistics.status, qc_statusOk);
+        ck_assert_int_eq(statistics.contacts + statistics.unproven + statistics.exempt + statistics.remaining, 0);
+    }
+}
+END_TEST
+
 START_TEST(an_uneven_cloth_that_is_not_deformed_is_not_in_contact_with_itself)
 {
     World world;
@@ -650,7 +664,7 @@ END_TEST
 
 QC_RUN_TESTS("soft body", a_cloth_that_is_scaled_in_the_world_has_the_thickness_of_its_new_size,
              cloths_that_start_closer_than_their_thickness_are_thrown_no_faster_in_short_steps,
-             a_falling_cloth_never_penetrates_itself,
+             a_falling_cloth_never_penetrates_itself, a_body_of_the_reduced_model_is_not_tested_with_itself,
              an_uneven_cloth_that_is_not_deformed_is_not_in_contact_with_itself,
              a_falling_cloth_penetrates_itself_without_self_collision, cloths_that_fall_on_each_other_stay_apart,
              cloths_that_the_broadphase_filters_do_not_touch, layers_that_land_on_a_free_box_keep_momentum,
