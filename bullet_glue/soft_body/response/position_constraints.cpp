@@ -233,13 +233,19 @@ bool qcHasResponse(qcSoftBodyScene& scene, uint32_t slotA, uint32_t slotB)
 bool qcHasResponse(qcSoftBodyScene& scene, const qcPair& pair)
 {
     const qcSceneSoftBody *a = scene.Find(pair.bodyA), *b = scene.Find(pair.bodyB);
-    if (a == nullptr || b == nullptr)
+    auto nodesOf = [](const qcSceneSoftBody& soft, uint32_t triangle)
+    { return &soft.topology.indices[3 * size_t(triangle)]; };
+    if (a != nullptr && b != nullptr)
+    {
+        if (a->IsTiedTo(*b, nodesOf(*a, pair.triangleA), nodesOf(*b, pair.triangleB)))
+            return false;
+    }
+    else
     {
         const qcSceneSoftBody& soft = a != nullptr ? *a : *b;
-        uint32_t triangle = a != nullptr ? pair.triangleA : pair.triangleB;
         qcSceneRigid* rigid = nullptr;
         scene.meshes.Find(a == nullptr ? pair.bodyA : pair.bodyB, &rigid);
-        if (soft.IsAnchored(&soft.topology.indices[3 * size_t(triangle)], rigid->object))
+        if (soft.IsAnchored(nodesOf(soft, a != nullptr ? pair.triangleA : pair.triangleB), rigid->object))
             return false;
     }
     return qcHasResponse(scene, pair.bodyA, pair.bodyB);
@@ -263,7 +269,8 @@ bool qcViewContact(qcSoftBodyScene& scene, const qcContact& contact, qcSoftConta
         view->thickness = (view->a->thickness + view->b->thickness) / 2;
         view->friction = (view->a->Friction() + view->b->Friction()) / 2;
         view->onB = PointOf(*view->b, view->verticesB, view->weightsB);
-        return view->distance <= view->thickness && HaveResponse(*view->a, *view->b);
+        return view->distance <= view->thickness && HaveResponse(*view->a, *view->b) &&
+               !view->a->IsTiedTo(*view->b, view->verticesA, view->verticesB);
     }
     const qcSceneMesh& mesh = *scene.meshes.Find(slotB, &view->rigid);
     view->mesh = &mesh;

@@ -6,6 +6,12 @@
 
 #include <algorithm>
 
+namespace
+{
+// Anchors are at one point if they are no further apart than this share of both thicknesses.
+constexpr btScalar s_tiedShare = btScalar(1e-3);
+} // namespace
+
 bool qcCollidesWithSurfaces(const btSoftBody* body, const qcSoftBodySettings& settings)
 {
     using Collision = btSoftBody::fCollision;
@@ -48,13 +54,16 @@ void qcSceneSoftBody::ReadAnchors()
     if (body->m_reducedModel || body->m_deformableAnchors.size() > 0)
         pinned.resize(size_t(NodeCount()), body->m_reducedModel);
     for (int i = 0; i < body->m_anchors.size(); i++)
-        anchors.emplace_back(uint32_t(IndexOf(body->m_anchors[i].m_node)), body->m_anchors[i].m_body);
+    {
+        const btSoftBody::Anchor& anchor = body->m_anchors[i];
+        anchors.push_back({uint32_t(IndexOf(anchor.m_node)), anchor.m_body, anchor.m_local});
+    }
     for (int i = 0; i < body->m_deformableAnchors.size(); i++)
     {
         const btSoftBody::DeformableNodeRigidAnchor& anchor = body->m_deformableAnchors[i];
         const size_t node = IndexOf(anchor.m_node);
         pinned[node] = true;
-        anchors.emplace_back(uint32_t(node), anchor.m_cti.m_colObj);
+        anchors.push_back({uint32_t(node), anchor.m_cti.m_colObj, anchor.m_local});
     }
 }
 
@@ -74,6 +83,19 @@ bool qcSceneSoftBody::ReadSolved()
     }
     hasSolvedBox = qcFindMotionBox(start, solved, 0, solvedBox);
     return isFinite;
+}
+
+bool qcSceneSoftBody::IsTiedTo(const qcSceneSoftBody& other, const uint32_t nodes[3],
+                               const uint32_t nodesOfOther[3]) const
+{
+    const btScalar apart = s_tiedShare * (thickness + other.thickness);
+    for (const qcSoftAnchor& anchor : anchors)
+        if (anchor.IsOneOf(nodes))
+            for (const qcSoftAnchor& second : other.anchors)
+                if (second.object == anchor.object && second.IsOneOf(nodesOfOther) &&
+                    second.local.distance2(anchor.local) <= apart * apart)
+                    return true;
+    return false;
 }
 
 bool qcSceneSoftBody::IsStretched(bool starts)

@@ -7,8 +7,8 @@
 
 #include "quickcullide/bullet_soft_body.h"
 
+#include <algorithm>
 #include <cstring>
-#include <utility>
 #include <vector>
 
 /// True if the body collides with the surfaces of Bullet's own shapes, and not by Bullet's tests of nodes or clusters.
@@ -39,6 +39,19 @@ struct qcHeldContact
     uint32_t nodes[3] = {0, 0, 0};
     btScalar weights[3] = {0, 0, 0}; ///< their sum is 1
     btScalar thickness = 0, friction = 0;
+};
+
+/// A node that is fixed to a point of a rigid object.
+struct qcSoftAnchor
+{
+    uint32_t node;
+    const btCollisionObject* object;
+    btVector3 local; ///< the point, in the object's frame
+
+    bool IsOneOf(const uint32_t nodes[3]) const
+    {
+        return node == nodes[0] || node == nodes[1] || node == nodes[2];
+    }
 };
 
 /// A soft body of the scene.
@@ -73,7 +86,7 @@ struct qcSceneSoftBody
     std::vector<bool> pinned; ///< nodes that contacts don't move; empty: none
     /// Nodes that are anchored to a rigid object: their triangles don't collide with that, since an anchor may lie
     /// inside.
-    std::vector<std::pair<uint32_t, const btCollisionObject*>> anchors;
+    std::vector<qcSoftAnchor> anchors;
     std::vector<qcHeldContact> heldContacts; ///< of the previous step
     bool inContact = false;                  ///< it is in a constraint of this step
     bool hasPartner = true;                  ///< its motion may come near that of another soft body or a mesh
@@ -142,12 +155,13 @@ struct qcSceneSoftBody
     /// True if one of the three nodes is anchored to the object.
     bool IsAnchored(const uint32_t nodes[3], const btCollisionObject* object) const
     {
-        for (const auto& anchor : anchors)
-            if (anchor.second == object &&
-                (anchor.first == nodes[0] || anchor.first == nodes[1] || anchor.first == nodes[2]))
-                return true;
-        return false;
+        return std::any_of(anchors.begin(), anchors.end(),
+                           [&](const qcSoftAnchor& anchor)
+                           { return anchor.object == object && anchor.IsOneOf(nodes); });
     }
+    /// True if a triangle of this body and one of another body, or of this one, are anchored at one point of an object:
+    /// they meet there, whatever contacts do.
+    bool IsTiedTo(const qcSceneSoftBody& other, const uint32_t nodes[3], const uint32_t nodesOfOther[3]) const;
     bool CollidesWithSurfaces() const
     {
         return qcCollidesWithSurfaces(body, settings);

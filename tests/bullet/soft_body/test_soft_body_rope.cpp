@@ -378,6 +378,41 @@ void LightenNodes(btDynamicsWorld* world, btScalar)
         rope->setMass(i, btScalar(0.1));
 }
 
+/// A ball that hangs at rest on two ropes, which are anchored in its centre. Returns its place.
+btVector3 HangBall(bool isPlain)
+{
+    qcSoftWorld made(nullptr, isPlain);
+    const btScalar high = 8, wide = 4;
+    btRigidBody* ball = made.AddBody(new btSphereShape(1), 1, btVector3(0, 0, 0));
+    ball->setActivationState(DISABLE_DEACTIVATION);
+    made.shapes.emplace_back(ball->getCollisionShape());
+    for (btScalar side : {-wide, wide})
+    {
+        const btVector3 top(0, high, side);
+        btRigidBody* hook = made.AddBody(ball->getCollisionShape(), 0, top);
+        btSoftBody* rope = btSoftBodyHelpers::CreateRope(made.world.getWorldInfo(), top, btVector3(0, 0, 0), 3, 0);
+        rope->setTotalMass(btScalar(0.1));
+        rope->appendAnchor(0, hook);
+        rope->appendAnchor(rope->m_nodes.size() - 1, ball);
+        rope->m_cfg.piterations = 5;
+        made.world.addSoftBody(rope);
+        made.cloths.push_back(rope);
+    }
+    for (int step = 0; step < 120; step++)
+    {
+        made.world.stepSimulation(s_ropeStep, 0);
+        ck_assert_int_eq(made.softSolver.getStatistics().contacts, 0);
+        ck_assert_int_eq(made.softSolver.getStatistics().unproven, 0);
+    }
+    return ball->getWorldTransform().getOrigin();
+}
+
+START_TEST(ropes_that_are_anchored_at_one_point_do_not_push_each_other)
+{
+    ck_assert_double_lt(double(HangBall(false).distance(HangBall(true))), 0.005);
+}
+END_TEST
+
 START_TEST(a_callback_may_make_nodes_lighter)
 {
     RopeWorld world;
@@ -449,4 +484,5 @@ QC_RUN_TESTS("soft_body_rope", a_rope_thrown_over_a_cylinder_stays_draped,
              a_ring_hangs_on_a_rope, momentum_is_kept_between_a_rope_and_a_free_mesh, a_kinematic_pole_lifts_a_rope,
              bending_links_and_braces_do_not_push, links_may_be_added_and_removed_between_two_steps,
              a_rope_lies_on_a_rope_and_on_a_cloth, a_callback_may_make_nodes_lighter,
+             ropes_that_are_anchored_at_one_point_do_not_push_each_other,
              a_rope_of_springs_stays_draped_and_is_caught_by_a_pole)
