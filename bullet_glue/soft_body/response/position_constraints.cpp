@@ -15,8 +15,8 @@ namespace
 {
 // Contacts whose offset at the start was within this cosine of their normal are oriented by it alone.
 constexpr btScalar s_maxTilt = btScalar(0.7);
-// The normal of features tells their side if they were this share of the thickness apart along it at the start, and if
-// it is within this cosine of the contact's.
+// Features have a side of their own if they were this share of the thickness apart along their normal at the start, and
+// that is within this cosine of the contact's.
 constexpr btScalar s_minHeight = btScalar(0.1), s_minAgreement = btScalar(0.3);
 
 void AddNodes(qcSceneSoftBody& body, const uint32_t vertices[3], const double weights[3], btScalar sign,
@@ -130,7 +130,7 @@ struct ContactCorners
         return (atStart ? soft.start : soft.positions)[vertex];
     }
 
-    /// Of the face, or of both edges; zero: there is none.
+    /// The normal of the face, or of both edges; zero: there is none.
     btVector3 FeatureNormal(const qcSoftContactView& view) const
     {
         const bool isVertexA = view.weightsA[0] == 1.0, isVertexB = view.weightsB[0] == 1.0;
