@@ -60,8 +60,8 @@ qcClothPicture::qcClothPicture() : m_frame(800, 640)
 
 void qcClothPicture::Follow(float part)
 {
-    const float eyes[2][3] = {{1.7f, 1.75f, 2.25f}, {2.65f, 2.1f, 3.6f}};
-    const float targets[2][3] = {{0.05f, 0.34f, 0.0f}, {1.3f, 0.25f, 0.0f}};
+    const float eyes[2][3] = {{1.7f, 1.75f, 2.25f}, {2.85f, 2.25f, 4.0f}};
+    const float targets[2][3] = {{0.05f, 0.34f, 0.0f}, {1.5f, 0.25f, 0.0f}};
     float smooth = part * part * (3 - 2 * part);
     Blend(eyes[0], eyes[1], smooth, m_frame.camera.eye);
     Blend(targets[0], targets[1], smooth, m_frame.camera.target);

@@ -37,8 +37,8 @@ void AddMeshes(const qcFractureBody& body, const float color[3], qcDemoFrame* fr
 qcFracturePicture::qcFracturePicture() : m_frame(960, 640)
 {
     qcSet3(m_frame.camera.eye, 3.4f, 3.9f, 11.3f);
-    qcSet3(m_frame.camera.target, 0.1f, 1.0f, 0.0f);
-    m_frame.camera.fieldOfView = 36;
+    qcSet3(m_frame.camera.target, 0.1f, 1.75f, 0.0f);
+    m_frame.camera.fieldOfView = 39;
     m_frame.ground.tile = 1;
 }
 
