@@ -18,6 +18,8 @@ constexpr btScalar s_maxTilt = btScalar(0.7);
 // Features have a side of their own if they were this share of the thickness apart along their normal at the start, and
 // that is within this cosine of the contact's.
 constexpr btScalar s_minHeight = btScalar(0.1), s_minAgreement = btScalar(0.3);
+// Features that miss each other by less than this share of their size may have passed.
+constexpr btScalar s_crossingSlack = btScalar(0.1);
 
 void AddNodes(qcSceneSoftBody& body, const uint32_t vertices[3], const double weights[3], btScalar sign,
               qcSoftConstraint* constraint)
@@ -48,21 +50,39 @@ btVector3 Offset(const qcSoftConstraint& constraint)
     return offset;
 }
 
-/// Moves the sides of the constraint apart by `missing`, divided by weight and mass. No node moves further than that: a
-/// single movable node of small weight would be thrown away.
+/// How far a unit impulse along a direction moves the sides apart, times the time step; at least as far as it moves
+/// each node: a single movable node of small weight would be thrown away.
+btScalar YieldAlong(const qcSoftConstraint& constraint, const btVector3& direction)
+{
+    btScalar yield = constraint.inverseEffectiveMass;
+    if (constraint.rigid != nullptr && direction.length2() > 0)
+        yield += constraint.rigid->DisplacementAt(constraint.arm, direction).dot(direction) / direction.length2();
+    for (int i = 0; i < constraint.nodeCount; i++)
+        yield = std::max(yield, btFabs(constraint.weight[i]) * constraint.inverseMass[i]);
+    return yield;
+}
+
+/// Moves the sides of the constraint apart by `missing`, divided by weight and mass.
 void Push(const qcSoftConstraint& constraint, const btVector3& missing)
 {
-    btScalar largest = constraint.inverseEffectiveMass;
-    if (constraint.rigid != nullptr && missing.length2() > 0)
-        largest += constraint.rigid->DisplacementAt(constraint.arm, missing).dot(missing) / missing.length2();
-    for (int i = 0; i < constraint.nodeCount; i++)
-        largest = std::max(largest, btFabs(constraint.weight[i]) * constraint.inverseMass[i]);
-    if (largest <= 0)
+    const btScalar yield = YieldAlong(constraint, missing);
+    if (yield <= 0)
         return;
     for (int i = 0; i < constraint.nodeCount; i++)
-        *constraint.position[i] += missing * (constraint.weight[i] * constraint.inverseMass[i] / largest);
+        *constraint.position[i] += missing * (constraint.weight[i] * constraint.inverseMass[i] / yield);
     if (constraint.rigid != nullptr)
-        constraint.rigid->Push(constraint.arm, -missing / largest);
+        constraint.rigid->Push(constraint.arm, -missing / yield);
+}
+
+/// How far friction moves the sides at most: its impulse is the coefficient times that of the push. A rigid body may
+/// yield along the surface by another amount than along the normal.
+btScalar MaxFriction(const qcSoftConstraint& constraint, const btVector3& sliding)
+{
+    const btScalar most = constraint.friction * constraint.pushed;
+    if (constraint.rigid == nullptr || !constraint.rigid->CanMove())
+        return most;
+    const btScalar yield = YieldAlong(constraint, constraint.normal);
+    return yield > 0 ? most * YieldAlong(constraint, sliding) / yield : btScalar(0);
 }
 
 /// False: it was satisfied, and nothing has moved.
@@ -78,13 +98,13 @@ bool Solve(qcSoftConstraint& constraint)
     if (constraint.pushed == previous)
         return false;
     Push(constraint, constraint.normal * (constraint.pushed - previous));
-    // Coulomb friction takes back sliding since the start, at most the normal push times the coefficient.
+    // Coulomb friction takes back sliding since the start.
     btVector3 motion = offset - constraint.startOffset;
     btVector3 sliding = motion - constraint.normal * constraint.normal.dot(motion);
     if (sliding.length() <= SIMD_EPSILON)
         return true;
     btVector3 taken = previousTaken + sliding;
-    btScalar length = taken.length(), largest = constraint.friction * constraint.pushed;
+    const btScalar length = taken.length(), largest = MaxFriction(constraint, taken);
     if (length > largest)
         taken *= largest / length;
     Push(constraint, previousTaken - taken);
@@ -109,58 +129,88 @@ void Orient(btScalar thickness, const btVector3& normal, bool atOnce, qcSoftCons
     constraint->missing = thickness - constraint->distance;
 }
 
-/// The corners of a contact's triangles at one time.
-struct ContactCorners
+/// The features of a contact at one time: a vertex and a face, two edges, or neither, where both closest points are
+/// corners.
+struct ContactFeatures
 {
-    btVector3 a[3], b[3];
-
-    ContactCorners(const qcSoftContactView& view, bool atStart)
+    enum class Kind
     {
+        vertexAndFace,
+        edges,
+        corners
+    };
+    Kind kind = Kind::corners;
+    btVector3 a[3], b[3]; ///< a: of the vertex, the first one, or of an edge; b: of the face or of the other edge
+
+    /// `time`: 0 at the start, 1 at present.
+    ContactFeatures(const qcSoftContactView& view, btScalar time)
+    {
+        const bool isVertexA = view.weightsA[0] == 1.0, isVertexB = view.weightsB[0] == 1.0;
+        if (isVertexA != isVertexB)
+            kind = Kind::vertexAndFace;
+        else if (!isVertexA && view.weightsA[2] == 0.0 && view.weightsB[2] == 0.0)
+            kind = Kind::edges;
         for (int i = 0; i < 3; i++)
         {
-            a[i] = OfSoft(*view.a, view.verticesA[i], atStart);
-            b[i] = view.b != nullptr ? OfSoft(*view.b, view.verticesB[i], atStart)
-                   : atStart         ? view.rigid->StartOf(*view.mesh, view.verticesB[i])
-                                     : view.rigid->PresentOf(*view.mesh, view.verticesB[i]);
+            a[i] = OfSoft(*view.a, view.verticesA[i], time);
+            b[i] = view.b != nullptr ? OfSoft(*view.b, view.verticesB[i], time)
+                                     : lerp(view.rigid->StartOf(*view.mesh, view.verticesB[i]),
+                                            view.rigid->PresentOf(*view.mesh, view.verticesB[i]), time);
         }
+        if (isVertexB && !isVertexA)
+            std::swap(a, b);
     }
 
-    static const btVector3& OfSoft(const qcSceneSoftBody& soft, uint32_t vertex, bool atStart)
+    static btVector3 OfSoft(const qcSceneSoftBody& soft, uint32_t vertex, btScalar time)
     {
-        return (atStart ? soft.start : soft.positions)[vertex];
+        return lerp(soft.start[vertex], soft.positions[vertex], time);
     }
 
     /// The normal of the face, or of both edges; zero: there is none.
-    btVector3 FeatureNormal(const qcSoftContactView& view) const
+    btVector3 Normal() const
     {
-        const bool isVertexA = view.weightsA[0] == 1.0, isVertexB = view.weightsB[0] == 1.0;
         btVector3 normal(0, 0, 0);
-        if (isVertexA && !isVertexB)
+        if (kind == Kind::vertexAndFace)
             normal = (b[1] - b[0]).cross(b[2] - b[0]);
-        else if (isVertexB && !isVertexA)
-            normal = (a[1] - a[0]).cross(a[2] - a[0]);
-        else if (!isVertexA && view.weightsA[2] == 0.0 && view.weightsB[2] == 0.0)
+        else if (kind == Kind::edges)
             normal = (a[1] - a[0]).cross(b[1] - b[0]);
         return normal.length2() > 0 ? normal.normalized() : btVector3(0, 0, 0);
+    }
+
+    /// True if the vertex is over the face, or the edges cross, as seen along the normal.
+    bool Overlap() const
+    {
+        const btVector3 between = a[0] - b[0], u = b[1] - b[0];
+        const btVector3 v = kind == Kind::edges ? a[0] - a[1] : b[2] - b[0];
+        // between = s * u + t * v, up to the normal.
+        const btScalar uu = u.dot(u), uv = u.dot(v), vv = v.dot(v), determinant = uu * vv - uv * uv;
+        const btScalar s = (between.dot(u) * vv - between.dot(v) * uv) / determinant;
+        const btScalar t = (between.dot(v) * uu - between.dot(u) * uv) / determinant;
+        return s >= -s_crossingSlack && t >= -s_crossingSlack &&
+               (kind == Kind::edges ? std::max(s, t) : s + t) <= 1 + s_crossingSlack;
     }
 };
 
 /// Orients a contact of surfaces that slide on each other by more than their distance: then its points were beside each
-/// other at the start, and the side on which they were is that of the face or of the edges.
-void OrientByFeatures(const qcSoftContactView& view, qcSoftConstraint* constraint)
+/// other at the start, and the side on which they were is that of the face or of the edges. False: the features have
+/// not passed each other, but the lines and planes through them, and there is no contact.
+bool OrientByFeatures(const qcSoftContactView& view, qcSoftConstraint* constraint)
 {
     const btVector3& offset = constraint->startOffset;
     if (view.normal.dot(offset) >= s_maxTilt * offset.length())
-        return;
-    const btVector3 start = ContactCorners(view, true).FeatureNormal(view);
-    const btScalar height = start.dot(offset),
-                   agreement = ContactCorners(view, false).FeatureNormal(view).dot(view.normal);
+        return true;
+    const btVector3 start = ContactFeatures(view, 0).Normal();
+    const btScalar height = start.dot(offset), agreement = ContactFeatures(view, 1).Normal().dot(view.normal);
     if (btFabs(height) < s_minHeight * view.thickness || btFabs(agreement) < s_minAgreement)
-        return;
+        return true;
     const bool hasPassed = (height > 0) != (agreement > 0);
+    const btScalar depth = btFabs(agreement) * view.distance;
+    if (hasPassed && !ContactFeatures(view, btFabs(height) / (btFabs(height) + depth)).Overlap())
+        return false;
     constraint->normal = hasPassed ? start * (height > 0 ? btScalar(1) : btScalar(-1)) : view.normal;
     constraint->distance = std::min(btFabs(height), view.thickness);
     constraint->missing = view.thickness - constraint->distance;
+    return true;
 }
 
 btVector3 PointOf(const qcSceneSoftBody& soft, const uint32_t vertices[3], const double weights[3])
@@ -317,8 +367,7 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
             const btVector3 point = view.rigid->object->getWorldTransform().invXform(view.onB);
             const qcMeshPlace place = {point, point - view.mesh->DeformationAt(view.verticesB, view.weightsB)};
             if (!qcMakeMeshConstraint(*view.a, view.verticesA, view.weightsA, *view.rigid, place, view.normal,
-                                      view.thickness, &constraint) ||
-                (view.mesh->isConvex && PushesInwards(constraint, *view.rigid, *view.mesh)))
+                                      view.thickness, &constraint))
                 continue;
         }
         else
@@ -332,8 +381,11 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
         }
         constraint.isTangled = tangles.AreTangled(result.contacts[i].bodyA, result.contacts[i].bodyB);
         // Parts of tangled bodies are on the wrong side at the start.
-        if (!constraint.isTangled && (view.rigid == nullptr || !view.rigid->isReshaped))
-            OrientByFeatures(view, &constraint);
+        if (!constraint.isTangled && (view.rigid == nullptr || !view.rigid->isReshaped) &&
+            !OrientByFeatures(view, &constraint))
+            continue;
+        if (view.rigid != nullptr && view.mesh->isConvex && PushesInwards(constraint, *view.rigid, *view.mesh))
+            continue;
         constraints->push_back(constraint);
         contactOf->push_back(i);
     }

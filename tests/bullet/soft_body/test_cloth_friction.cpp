@@ -1,6 +1,6 @@
 // Friction of cloth is Coulomb's, at every time step: a strip that hangs over the edge of a table slides off where the
-// weight of what hangs exceeds the friction of what lies, and stays otherwise; a cloth slides down another one, or
-// stays.
+// weight of what hangs exceeds the friction of what lies, and stays otherwise; cloths and rigid bodies slide down a cloth,
+// or stay.
 #include "bullet/soft_body/soft_world.h"
 
 #include <BulletSoftBody/btSoftBodyHelpers.h>
@@ -89,72 +89,101 @@ START_TEST(a_strip_slides_off_a_table_where_its_weight_exceeds_its_friction)
     }
 }
 END_TEST
-/// A cloth on a larger one that is pinned. Gravity is tilted instead of both.
-struct TiltedCloths
+/// A pinned cloth on which something may slide. Gravity is tilted instead of it.
+struct TiltedCloth
 {
     qcSoftWorld made;
-    btSoftBody* cloth;
+    const double friction, tilt;
 
-    TiltedCloths(double friction, double slope)
+    /// `slope`: its tangent.
+    TiltedCloth(double ofAll, double slope) : friction(ofAll), tilt(std::atan(slope))
     {
-        const double tilt = std::atan(slope);
+        made.meshContact.addTo(&made.world);
         made.SetGravity(btVector3(btScalar(10 * std::sin(tilt)), btScalar(-10 * std::cos(tilt)), 0));
-        btSoftBody* lower = Add(btVector3(3, 0, btScalar(0.6)), 61, 13, friction);
+        btSoftBody* lower = AddCloth(btVector3(3, 0, btScalar(0.6)), 61, 13);
         for (int i = 0; i < lower->m_nodes.size(); i++)
             lower->setMass(i, 0);
-        cloth = Add(btVector3(btScalar(0.5), s_height, btScalar(0.3)), 21, 13, friction);
     }
 
     /// A rectangle around the y axis; `corner`: that of largest coordinates.
-    btSoftBody* Add(const btVector3& corner, int nodesAlong, int nodesAcross, double friction)
+    btSoftBody* AddCloth(const btVector3& corner, int nodesAlong, int nodesAcross)
     {
         auto at = [&](int x, int z) { return btVector3(btScalar(x), 1, btScalar(z)) * corner; };
-        btSoftBody* added = btSoftBodyHelpers::CreatePatch(made.world.getWorldInfo(), at(-1, -1), at(1, -1), at(-1, 1),
+        btSoftBody* cloth = btSoftBodyHelpers::CreatePatch(made.world.getWorldInfo(), at(-1, -1), at(1, -1), at(-1, 1),
                                                            at(1, 1), nodesAlong, nodesAcross, 0, true);
-        added->getCollisionShape()->setMargin(btScalar(0.01));
-        added->setTotalMass(btScalar(0.3));
-        added->m_cfg.piterations = 8;
-        added->m_cfg.kDF = btScalar(friction);
-        made.world.addSoftBody(added);
-        made.cloths.push_back(added);
-        return added;
+        cloth->getCollisionShape()->setMargin(btScalar(0.01));
+        cloth->setTotalMass(btScalar(0.3));
+        cloth->m_cfg.piterations = 8;
+        cloth->m_cfg.kDF = btScalar(friction);
+        made.world.addSoftBody(cloth);
+        made.cloths.push_back(cloth);
+        return cloth;
     }
 
-    double Speed() const
+    /// By Coulomb's law, of what slides.
+    double Expected() const
     {
-        btVector3 sum(0, 0, 0);
-        for (int i = 0; i < cloth->m_nodes.size(); i++)
-            sum += cloth->m_nodes[i].m_v;
-        return double(sum.x()) / cloth->m_nodes.size();
+        return std::max(0.0, 10 * (std::sin(tilt) - friction * std::cos(tilt)));
     }
-
-    /// The mean acceleration in the second half of a second.
-    double Acceleration(int stepsPerSecond)
+    /// The mean acceleration in the second half of a second. `speed`: returns that along the slope.
+    template <typename Speed> double Acceleration(int stepsPerSecond, const Speed& speed)
     {
         double middle = 0;
         for (int step = 0; step < stepsPerSecond; step++)
         {
             if (step == stepsPerSecond / 2)
-                middle = Speed();
+                middle = speed();
             made.world.stepSimulation(btScalar(1.0 / stepsPerSecond), 0);
         }
-        return 2 * (Speed() - middle);
+        return 2 * (speed() - middle);
     }
 };
+
+constexpr double s_friction = 0.3;
+constexpr double s_slopes[] = {0.8 * s_friction, 1.3 * s_friction, 2 * s_friction, 4 * s_friction};
+
+void CheckAcceleration(double found, double expected, double slope)
+{
+    ck_assert_msg(std::fabs(found - expected) < 0.02 + 0.05 * expected, "slope %g: %g m/s2, not %g", slope, found,
+                  expected);
+}
 
 START_TEST(a_cloth_slides_down_another_one_as_friction_has_it)
 {
     const int stepsPerSecond = 60 << _i;
-    const double friction = 0.3;
-    ck_assert_double_lt(std::fabs(TiltedCloths(friction, 0.8 * friction).Acceleration(stepsPerSecond)), 0.02);
-    for (double factor : {1.3, 2.0, 4.0})
+    for (double slope : s_slopes)
     {
-        const double tilt = std::atan(factor * friction);
-        const double expected = 10 * (std::sin(tilt) - friction * std::cos(tilt));
-        const double found = TiltedCloths(friction, factor * friction).Acceleration(stepsPerSecond);
-        ck_assert_msg(std::fabs(found - expected) < 0.05 * expected, "%g times the friction: %g m/s2, not %g", factor,
-                      found, expected);
+        TiltedCloth tilted(s_friction, slope);
+        const btSoftBody* cloth = tilted.AddCloth(btVector3(btScalar(0.5), s_height, btScalar(0.3)), 21, 13);
+        auto speed = [cloth]
+        {
+            double sum = 0;
+            for (int i = 0; i < cloth->m_nodes.size(); i++)
+                sum += double(cloth->m_nodes[i].m_v.x());
+            return sum / cloth->m_nodes.size();
+        };
+        CheckAcceleration(tilted.Acceleration(stepsPerSecond, speed), tilted.Expected(), slope);
     }
+}
+END_TEST
+
+START_TEST(rigid_bodies_slide_down_a_cloth_as_friction_has_it)
+{
+    const int stepsPerSecond = 60 << _i;
+    const btVector3 half(btScalar(0.3), btScalar(0.1), btScalar(0.2)), place(0, btScalar(0.117), 0);
+    for (double slope : s_slopes)
+        for (bool isMesh : {false, true})
+        {
+            TiltedCloth tilted(s_friction, slope);
+            btBoxShape box(half);
+            btRigidBody* body =
+                isMesh ? tilted.made.AddMesh(qcBoxModel(half, 3), 1, place) : tilted.made.AddBody(&box, 1, place);
+            body->setFriction(1);
+            body->setActivationState(DISABLE_DEACTIVATION);
+            auto speed = [body] { return double(body->getLinearVelocity().x()); };
+            CheckAcceleration(tilted.Acceleration(stepsPerSecond, speed), tilted.Expected(), slope);
+            tilted.made.RemoveAll();
+        }
 }
 END_TEST
 } // namespace
@@ -166,6 +195,7 @@ QC_TEST_MAIN()
     tcase_set_timeout(tests, 120); // a bound against hanging, not a claim about speed
     tcase_add_loop_test(tests, a_strip_slides_off_a_table_where_its_weight_exceeds_its_friction, 0, 4);
     tcase_add_loop_test(tests, a_cloth_slides_down_another_one_as_friction_has_it, 0, 3);
+    tcase_add_loop_test(tests, rigid_bodies_slide_down_a_cloth_as_friction_has_it, 0, 3);
     suite_add_tcase(suite, tests);
     return qcRunSuite(suite);
 }
