@@ -1,7 +1,12 @@
-// The collision algorithm of a convex shape and a qcMeshShape: Bullet's own. It also notes where bodies start the step.
+// The collision algorithm of a convex shape and a qcMeshShape: Bullet's own, without slanted points at inner edges. It
+// also notes where bodies start the step.
 #include "mesh_contact/convex_mesh_algorithm.h"
 
+#include "common/shape_triangles.h"
+#include "mesh_contact/inner_edges.h"
+
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 
 qcConvexMeshAlgorithm::qcConvexMeshAlgorithm(const btCollisionAlgorithmConstructionInfo& info, qcMeshBatch* batch,
                                              btCollisionAlgorithm* contact)
@@ -20,7 +25,16 @@ void qcConvexMeshAlgorithm::processCollision(const btCollisionObjectWrapper* bod
                                              const btDispatcherInfo& dispatchInfo, btManifoldResult* result)
 {
     m_batch->MarkStarts(body0->getCollisionObject(), body1->getCollisionObject(), &m_mark);
-    m_contact->processCollision(body0, body1, dispatchInfo, result);
+    const btCollisionObjectWrapper* body = qcAsMeshShape(body0->getCollisionShape()) != nullptr ? body0 : body1;
+    const qcMeshShape* mesh = qcAsMeshShape(body->getCollisionShape());
+    if (mesh == nullptr)
+    {
+        // The program's own shape of the same kind.
+        m_contact->processCollision(body0, body1, dispatchInfo, result);
+        return;
+    }
+    qcInnerEdgeFilter filtered(*mesh, body->getWorldTransform(), result);
+    m_contact->processCollision(body0, body1, dispatchInfo, &filtered);
 }
 
 btScalar qcConvexMeshAlgorithm::calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1,

@@ -1,4 +1,5 @@
-// The collision algorithm of a convex shape and a qcMeshShape: Bullet's own. It also notes where bodies start the step.
+// The collision algorithm of a convex shape and a qcMeshShape: Bullet's own, without slanted points at inner edges. It
+// also notes where bodies start the step.
 #ifndef QC_GLUE_MESH_CONTACT_CONVEX_MESH_ALGORITHM_H
 #define QC_GLUE_MESH_CONTACT_CONVEX_MESH_ALGORITHM_H
 

@@ -226,10 +226,10 @@ struct qcMeshContactStatistics
 /// Convex shapes, in compounds too, and qcMeshShapes don't pass each other either: where they move against each other
 /// in a step by more than half of the shape's half width, or are pressed into each other by more than a tenth of it, a
 /// polyhedron inside of each shape, of nine tenths of its size, is limited like a mesh; one of four tenths where the
-/// larger one is in the mesh already. Others have Bullet's contact alone. Links of a btMultiBody that the world steps
-/// are limited with meshes and with convex shapes, against all but other links of the same one: the motion of its
-/// joints is cut back. On a btStaticPlaneShape contact alone holds meshes: those that land fast, spin fast or lie under
-/// a heap may sink in before it pushes them out.
+/// larger one is in the mesh already. All have Bullet's contact, without points at inner edges of the mesh on which
+/// what slides would trip. Links of a btMultiBody that the world steps are limited with meshes and with convex shapes,
+/// against all but other links of the same one: the motion of its joints is cut back. On a btStaticPlaneShape contact
+/// alone holds meshes: those that land fast, spin fast or lie under a heap may sink in before it pushes them out.
 ///
 /// Rest: as long as no two points of a pair have moved against each other by 3 % of both thresholds, its contact points
 /// move with the bodies and nothing is searched.

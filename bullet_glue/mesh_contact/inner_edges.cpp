@@ -1,0 +1,115 @@
+// Contact points at inner edges: left out, or straightened.
+#include "mesh_contact/inner_edges.h"
+
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
+
+namespace
+{
+// Normals within this cosine of the face's are not slanted but rounded: Bullet's are off by up to half a degree.
+constexpr btScalar s_straight = btScalar(0.9999);
+// A triangle contains a point that is no further from it than this share of the size of the one that was hit; it leads
+// nearer if a corner is nearer by more than that and by this share of its distance.
+constexpr btScalar s_slack = btScalar(1e-3);
+
+btVector3 ClosestOn(const btVector3 corners[3], const btVector3& point)
+{
+    btSubSimplexClosestResult found;
+    found.reset();
+    btVoronoiSimplexSolver().closestPtPointTriangle(point, corners[0], corners[1], corners[2], found);
+    return found.m_closestPointOnSimplex;
+}
+
+/// Looks for a triangle around a point into which the way leads nearer to what is outward.
+struct NearerTriangle : btTriangleCallback
+{
+    const int without; ///< index of the triangle that was hit
+    const btVector3 &point, &outward;
+    const btScalar slack;
+    bool isFound = false;
+
+    NearerTriangle(int hit, const btVector3& around, const btVector3& away, btScalar ofSize)
+        : without(hit), point(around), outward(away), slack(s_slack * ofSize)
+    {
+    }
+
+    void processTriangle(btVector3* corners, int part, int index) override
+    {
+        (void)part;
+        if (isFound || index == without || ClosestOn(corners, point).distance(point) > slack)
+            return;
+        for (int i = 0; i < 3; i++)
+        {
+            const btVector3 way = corners[i] - point;
+            isFound = isFound || way.dot(outward) > slack + s_slack * way.length();
+        }
+    }
+};
+} // namespace
+
+qcInnerEdgeFilter::qcInnerEdgeFilter(const qcMeshShape& mesh, const btTransform& place, btManifoldResult* result)
+    : btManifoldResult(result->getBody0Wrap(), result->getBody1Wrap()), m_mesh(mesh), m_place(place), m_result(result)
+{
+    m_closestPointDistanceThreshold = result->m_closestPointDistanceThreshold;
+}
+
+qcInnerEdgeFilter::~qcInnerEdgeFilter()
+{
+    m_result->setPersistentManifold(m_manifoldPtr);
+}
+
+void qcInnerEdgeFilter::setShapeIdentifiersA(int part, int index)
+{
+    m_triangle = index;
+    m_result->setShapeIdentifiersA(part, index);
+}
+
+void qcInnerEdgeFilter::setShapeIdentifiersB(int part, int index)
+{
+    m_triangle = index;
+    m_result->setShapeIdentifiersB(part, index);
+}
+
+/// True if no triangle around a point of this one leads nearer to what is outward.
+bool qcInnerEdgeFilter::IsNearest(const btVector3 corners[3], const btVector3& point, const btVector3& outward,
+                                  btScalar size) const
+{
+    const btVector3 closest = ClosestOn(corners, point);
+    NearerTriangle nearer(m_triangle, closest, outward, size);
+    const btVector3 reach(nearer.slack, nearer.slack, nearer.slack);
+    m_mesh.processAllTriangles(&nearer, closest - reach, closest + reach);
+    return !nearer.isFound;
+}
+
+void qcInnerEdgeFilter::addContactPoint(const btVector3& normal, const btVector3& point, btScalar distance)
+{
+    btVector3 passed = normal;
+    // How deep a shape is along one normal, if that is deep, says nothing of another one.
+    const bool isDeep = distance < -m_manifoldPtr->getContactBreakingThreshold();
+    if (m_triangle >= 0 && uint32_t(m_triangle) < m_mesh.getTriangleCount() && !isDeep)
+    {
+        const uint32_t* index = m_mesh.getIndices() + 3 * size_t(m_triangle);
+        const btVector3* vertices = m_mesh.getVertices();
+        const btVector3 corners[3] = {vertices[index[0]], vertices[index[1]], vertices[index[2]]};
+        const btVector3 across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        const btVector3 outward = m_place.getBasis().transpose() * normal;
+        const btScalar area = across.length(), cosine = across.dot(outward) / area;
+        // Triangles without area have no normal, and a cosine that is not a number.
+        const bool isStraight = btFabs(cosine) >= s_straight;
+        if (isStraight ||
+            (btFabs(cosine) < s_straight && !IsNearest(corners, m_place.invXform(point), outward, btSqrt(area))))
+        {
+            if (!isStraight && distance > 0)
+                return;
+            passed = m_place.getBasis() * (across * ((cosine > 0 ? 1 : -1) / area));
+        }
+    }
+    // Callbacks see what Bullet's algorithm has set.
+    const btCollisionObjectWrapper *body0 = m_result->getBody0Wrap(), *body1 = m_result->getBody1Wrap();
+    m_result->setPersistentManifold(m_manifoldPtr);
+    m_result->setBody0Wrap(getBody0Wrap());
+    m_result->setBody1Wrap(getBody1Wrap());
+    m_result->addContactPoint(passed, point, distance);
+    m_result->setBody0Wrap(body0);
+    m_result->setBody1Wrap(body1);
+}

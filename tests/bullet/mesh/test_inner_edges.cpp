@@ -1,0 +1,111 @@
+// Convex shapes slide over a mesh as over a plane: edges between its triangles don't trip them.
+#include "bullet/mesh/mesh_world.h"
+
+#include <BulletCollision/CollisionShapes/btBoxShape.h>
+#include <BulletCollision/CollisionShapes/btCapsuleShape.h>
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
+
+#include <cmath>
+
+namespace
+{
+constexpr btScalar s_margin = btScalar(0.01), s_half = btScalar(0.25);
+
+/// A body without friction, on a floor of triangles of 25 cm.
+struct SlidingWorld : qcMeshWorld
+{
+    btRigidBody* body = nullptr;
+
+    /// `uneven`: how far the floor's vertices are off the plane at most.
+    SlidingWorld(int kind, btScalar speed, btScalar uneven, bool inCompound)
+    {
+        qcModel model = qcFloorModel(30, 240);
+        for (size_t i = 0; i < model.positions.size(); i += 3)
+            model.positions[i + 1] += uneven * (btScalar(i * 7919 % 13) / 6 - 1);
+        btCollisionShape* ground = Keep(model.MakeShape());
+        ground->setMargin(s_margin);
+        if (inCompound)
+        {
+            auto parent = std::make_unique<btCompoundShape>();
+            parent->addChildShape(btTransform(btQuaternion(btVector3(0, 1, 0), btScalar(0.3)), btVector3(1, 0, 2)),
+                                  ground);
+            ground = Keep(std::move(parent));
+        }
+        Add(ground, 0, btVector3(0, 0, 0))->setFriction(0);
+        std::unique_ptr<btCollisionShape> shape;
+        switch (kind)
+        {
+            case 0: shape = std::make_unique<btSphereShape>(s_half); break;
+            case 1: shape = std::make_unique<btBoxShape>(btVector3(btScalar(0.5), s_half, btScalar(0.4))); break;
+            default: shape = std::make_unique<btCapsuleShapeX>(s_half, btScalar(0.6));
+        }
+        btTransform place(btQuaternion(btVector3(0, 1, 0), btScalar(0.2)),
+                          btVector3(-speed, s_half + s_margin + uneven, btScalar(-0.3)));
+        body = Add(Keep(std::move(shape)), 1, place);
+        body->setFriction(0);
+        body->setActivationState(DISABLE_DEACTIVATION);
+        body->setLinearVelocity(btVector3(speed, 0, speed / 20));
+    }
+};
+
+START_TEST(convex_shapes_slide_over_triangles_as_over_a_plane)
+{
+    for (btScalar speed : {btScalar(2), btScalar(8), btScalar(25)})
+        for (bool inCompound : {false, true})
+        {
+            SlidingWorld world(_i, speed, 0, inCompound);
+            const btVector3 start = world.body->getLinearVelocity();
+            for (int step = 0; step < 110; step++)
+            {
+                world.Step();
+                const btScalar height = world.body->getWorldTransform().getOrigin().y();
+                ck_assert_msg(height < s_half + 2 * s_margin, "shape %d, %g m/s: at %g m", _i, double(speed),
+                              double(height));
+            }
+            const btVector3 change = world.body->getLinearVelocity() - start;
+            ck_assert_msg(change.length() < btScalar(0.02) * speed, "shape %d, %g m/s: changes by %g m/s", _i,
+                          double(speed), double(change.length()));
+            ck_assert_double_lt(double(world.body->getAngularVelocity().length()), 0.2 * double(speed));
+        }
+}
+END_TEST
+
+START_TEST(uneven_ground_takes_little_of_their_speed)
+{
+    const btScalar speed = 15;
+    SlidingWorld world(_i, speed, btScalar(0.01), false);
+    world.Step(110);
+    ck_assert_double_gt(double(world.body->getLinearVelocity().length()), 0.9 * double(speed));
+}
+END_TEST
+
+/// A convex shape that is held by a ridge, a border or a step of a mesh has slanted and level normals as before.
+START_TEST(outer_edges_hold_convex_shapes)
+{
+    qcMeshWorld world;
+    btCollisionShape* table = world.Keep(qcBoxModel(btVector3(1, 1, 1), 4).MakeShape());
+    world.Add(table, 0, btVector3(0, 0, 0));
+    btCollisionShape* ball = world.Keep(std::make_unique<btSphereShape>(s_half));
+    // Against the side of the table, above half of its height, and off its upper edge.
+    btRigidBody* beside = world.Add(ball, 1, btVector3(btScalar(2.2), btScalar(0.3), 0));
+    btRigidBody* over = world.Add(ball, 1, btVector3(btScalar(1.05), btScalar(1.4), 0));
+    beside->setGravity(btVector3(0, 0, 0));
+    beside->setLinearVelocity(btVector3(-5, 0, 0));
+    world.Step(60);
+    ck_assert_double_gt(double(beside->getWorldTransform().getOrigin().x()), 1.2);
+    ck_assert_double_gt(double(over->getWorldTransform().getOrigin().x()), 1.1);
+    ck_assert_double_lt(double(over->getWorldTransform().getOrigin().y()), 1);
+}
+END_TEST
+} // namespace
+
+QC_TEST_MAIN()
+{
+    Suite* suite = suite_create("inner_edges");
+    TCase* tests = tcase_create("inner_edges");
+    tcase_add_loop_test(tests, convex_shapes_slide_over_triangles_as_over_a_plane, 0, 3);
+    tcase_add_loop_test(tests, uneven_ground_takes_little_of_their_speed, 0, 3);
+    tcase_add_test(tests, outer_edges_hold_convex_shapes);
+    suite_add_tcase(suite, tests);
+    return qcRunSuite(suite);
+}
