@@ -84,7 +84,7 @@ bool qcInnerEdgeFilter::IsNearest(const btVector3 corners[3], const btVector3& p
 void qcInnerEdgeFilter::addContactPoint(const btVector3& normal, const btVector3& point, btScalar distance)
 {
     btVector3 passed = normal;
-    // How deep a shape is along one normal, if that is deep, says nothing of another one.
+    // A large depth along one normal is no measure of the depth along another one.
     const bool isDeep = distance < -m_manifoldPtr->getContactBreakingThreshold();
     if (m_triangle >= 0 && uint32_t(m_triangle) < m_mesh.getTriangleCount() && !isDeep)
     {

@@ -1,7 +1,7 @@
 // Contact points of convex shapes at edges and vertices inside of a qcMeshShape.
 //
 // Bullet tests each triangle as if it were alone. One beside the contact has a point at its edge, with a slanted
-// normal, on which trips what slides over the mesh. Such a point is no local minimum of distance: Johnson, Cohen: A
+// normal, and what slides over the mesh trips on it. Such a point is no local minimum of distance: Johnson, Cohen: A
 // Framework for Efficient Minimum Distance Computations, 1998.
 #ifndef QC_GLUE_MESH_CONTACT_INNER_EDGES_H
 #define QC_GLUE_MESH_CONTACT_INNER_EDGES_H
@@ -10,9 +10,9 @@
 
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
-/// Passes the points of a convex shape and a mesh on to Bullet's result. Of points at inner edges from which the mesh
-/// leads nearer to the convex shape, those with a gap are left out, since another triangle has a nearer point; where
-/// the shape has sunk in by no more than the contact breaking threshold, they get the normal of their triangle.
+/// Passes the points of a convex shape and a mesh on to Bullet's result, except those at inner edges from which the
+/// mesh leads nearer to the convex shape: points with a gap are left out, since another triangle has a nearer point;
+/// where the shape has sunk in by no more than the contact breaking threshold, they get the normal of their triangle.
 class qcInnerEdgeFilter : public btManifoldResult
 {
   public:
