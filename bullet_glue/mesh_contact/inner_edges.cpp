@@ -51,6 +51,7 @@ qcInnerEdgeFilter::qcInnerEdgeFilter(const qcMeshShape& mesh, const btTransform&
     : btManifoldResult(result->getBody0Wrap(), result->getBody1Wrap()), m_mesh(mesh), m_place(place), m_result(result)
 {
     m_closestPointDistanceThreshold = result->m_closestPointDistanceThreshold;
+    m_manifoldPtr = result->getPersistentManifold();
 }
 
 qcInnerEdgeFilter::~qcInnerEdgeFilter()
