@@ -33,7 +33,8 @@ void qcConvexMeshAlgorithm::processCollision(const btCollisionObjectWrapper* bod
         m_contact->processCollision(body0, body1, dispatchInfo, result);
         return;
     }
-    qcInnerEdgeFilter filtered(*mesh, body->getWorldTransform(), result);
+    const btVector3& center = (body == body0 ? body1 : body0)->getWorldTransform().getOrigin();
+    qcInnerEdgeFilter filtered(*mesh, body->getWorldTransform(), center, result);
     m_contact->processCollision(body0, body1, dispatchInfo, &filtered);
 }
 

@@ -6,11 +6,13 @@
 
 namespace
 {
-// Normals within this cosine of the face's are not slanted but rounded: Bullet's are off by up to half a degree.
+// Normals within this cosine of the face's are not slanted.
 constexpr btScalar s_straight = btScalar(0.9999);
 // A triangle contains a point that is no further from it than this share of the size of the one that was hit; it leads
 // nearer if a corner is nearer by more than that and by this share of its distance.
 constexpr btScalar s_slack = btScalar(1e-3);
+// Below this cosine a normal is along the triangle, and the side is that of the centre of the convex shape.
+constexpr btScalar s_minCosine = btScalar(0.1);
 
 btVector3 ClosestOn(const btVector3 corners[3], const btVector3& point)
 {
@@ -20,13 +22,14 @@ btVector3 ClosestOn(const btVector3 corners[3], const btVector3& point)
     return found.m_closestPointOnSimplex;
 }
 
-/// Looks for a triangle around a point into which the way leads nearer to what is outward.
+/// Looks for triangles around a point into which the way leads nearer to what is outward.
 struct NearerTriangle : btTriangleCallback
 {
     const int without; ///< index of the triangle that was hit
     const btVector3 &point, &outward;
     const btScalar slack;
-    bool isFound = false;
+    btVector3 normal{0, 0, 0};     ///< unit, of the one that faces outward most, on either side; zero: there is none
+    btScalar faces = btScalar(-1); ///< absolute cosine of the angle between normal and outward
 
     NearerTriangle(int hit, const btVector3& around, const btVector3& away, btScalar ofSize)
         : without(hit), point(around), outward(away), slack(s_slack * ofSize)
@@ -36,19 +39,30 @@ struct NearerTriangle : btTriangleCallback
     void processTriangle(btVector3* corners, int part, int index) override
     {
         (void)part;
-        if (isFound || index == without || ClosestOn(corners, point).distance(point) > slack)
+        if (index == without || ClosestOn(corners, point).distance(point) > slack)
             return;
+        bool leadsNearer = false;
         for (int i = 0; i < 3; i++)
         {
             const btVector3 way = corners[i] - point;
-            isFound = isFound || way.dot(outward) > slack + s_slack * way.length();
+            leadsNearer = leadsNearer || way.dot(outward) > slack + s_slack * way.length();
         }
+        const btVector3 across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        if (!leadsNearer || !(across.length2() > 0))
+            return;
+        const btVector3 unit = across.normalized();
+        if (btFabs(unit.dot(outward)) <= faces)
+            return;
+        normal = unit;
+        faces = btFabs(unit.dot(outward));
     }
 };
 } // namespace
 
-qcInnerEdgeFilter::qcInnerEdgeFilter(const qcMeshShape& mesh, const btTransform& place, btManifoldResult* result)
-    : btManifoldResult(result->getBody0Wrap(), result->getBody1Wrap()), m_mesh(mesh), m_place(place), m_result(result)
+qcInnerEdgeFilter::qcInnerEdgeFilter(const qcMeshShape& mesh, const btTransform& place, const btVector3& center,
+                                     btManifoldResult* result)
+    : btManifoldResult(result->getBody0Wrap(), result->getBody1Wrap()), m_mesh(mesh), m_place(place),
+      m_center(place.invXform(center)), m_result(result)
 {
     m_closestPointDistanceThreshold = result->m_closestPointDistanceThreshold;
     m_manifoldPtr = result->getPersistentManifold();
@@ -71,15 +85,17 @@ void qcInnerEdgeFilter::setShapeIdentifiersB(int part, int index)
     m_result->setShapeIdentifiersB(part, index);
 }
 
-/// True if no triangle around a point of this one leads nearer to what is outward.
-bool qcInnerEdgeFilter::IsNearest(const btVector3 corners[3], const btVector3& point, const btVector3& outward,
-                                  btScalar size) const
+/// The normal of a triangle around this one's point that leads nearer to what is outward, towards the convex shape;
+/// zero: none does.
+btVector3 qcInnerEdgeFilter::NearerNormal(const btVector3 corners[3], const btVector3& point, const btVector3& outward,
+                                          btScalar size) const
 {
     const btVector3 closest = ClosestOn(corners, point);
     NearerTriangle nearer(m_triangle, closest, outward, size);
     const btVector3 reach(nearer.slack, nearer.slack, nearer.slack);
     m_mesh.processAllTriangles(&nearer, closest - reach, closest + reach);
-    return !nearer.isFound;
+    const btScalar side = nearer.normal.dot(nearer.faces > s_minCosine ? outward : m_center - closest);
+    return side < 0 ? -nearer.normal : nearer.normal;
 }
 
 void qcInnerEdgeFilter::addContactPoint(const btVector3& normal, const btVector3& point, btScalar distance)
@@ -96,13 +112,14 @@ void qcInnerEdgeFilter::addContactPoint(const btVector3& normal, const btVector3
         const btVector3 outward = m_place.getBasis().transpose() * normal;
         const btScalar area = across.length(), cosine = across.dot(outward) / area;
         // Triangles without area have no normal, and a cosine that is not a number.
-        const bool isStraight = btFabs(cosine) >= s_straight;
-        if (isStraight ||
-            (btFabs(cosine) < s_straight && !IsNearest(corners, m_place.invXform(point), outward, btSqrt(area))))
+        const btVector3 nearer = btFabs(cosine) < s_straight
+                                     ? NearerNormal(corners, m_place.invXform(point), outward, btSqrt(area))
+                                     : btVector3(0, 0, 0);
+        if (!nearer.isZero())
         {
-            if (!isStraight && distance > 0)
+            if (distance > 0)
                 return;
-            passed = m_place.getBasis() * (across * ((cosine > 0 ? 1 : -1) / area));
+            passed = m_place.getBasis() * nearer;
         }
     }
     // Callbacks see what Bullet's algorithm has set.

@@ -12,12 +12,13 @@
 
 /// Passes the points of a convex shape and a mesh on to Bullet's result, except those at inner edges from which the
 /// mesh leads nearer to the convex shape: points with a gap are left out, since another triangle has a nearer point;
-/// where the shape has sunk in by no more than the contact breaking threshold, they get the normal of their triangle.
+/// where the shape has sunk in by no more than the contact breaking threshold, they get that triangle's normal.
 class qcInnerEdgeFilter : public btManifoldResult
 {
   public:
-    /// `place`: of the mesh. All are needed as long as the filter.
-    qcInnerEdgeFilter(const qcMeshShape& mesh, const btTransform& place, btManifoldResult* result);
+    /// `place`: of the mesh; `center`: of the convex shape. The others are needed as long as the filter.
+    qcInnerEdgeFilter(const qcMeshShape& mesh, const btTransform& place, const btVector3& center,
+                      btManifoldResult* result);
     /// Hands over the manifold that Bullet's algorithm has filled.
     ~qcInnerEdgeFilter() override;
     qcInnerEdgeFilter(const qcInnerEdgeFilter&) = delete;
@@ -29,10 +30,12 @@ class qcInnerEdgeFilter : public btManifoldResult
     void addContactPoint(const btVector3& normal, const btVector3& point, btScalar distance) override;
 
   private:
-    bool IsNearest(const btVector3 corners[3], const btVector3& point, const btVector3& outward, btScalar size) const;
+    btVector3 NearerNormal(const btVector3 corners[3], const btVector3& point, const btVector3& outward,
+                           btScalar size) const;
 
     const qcMeshShape& m_mesh;
     const btTransform& m_place;
+    const btVector3 m_center; ///< in the frame of the mesh
     btManifoldResult* m_result;
     int m_triangle = -1; ///< that Bullet's algorithm is at
 };
