@@ -1,8 +1,9 @@
 // Friction of cloth is Coulomb's, at every time step: a strip that hangs over the edge of a table slides off where the
-// weight of what hangs exceeds the friction of what lies, and stays otherwise; cloths and rigid bodies slide down a cloth,
-// or stay.
+// weight of what hangs exceeds the friction of what lies, and stays otherwise; cloths and rigid bodies slide down a
+// cloth, or stay.
 #include "bullet/soft_body/soft_world.h"
 
+#include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <BulletSoftBody/btSoftBodyHelpers.h>
 
 #include <cmath>

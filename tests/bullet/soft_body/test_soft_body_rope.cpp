@@ -6,6 +6,7 @@
 #include "bullet/soft_body/deformable_test_world.h"
 #include "bullet/soft_body/soft_world.h"
 
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletSoftBody/btDeformableGravityForce.h>
 #include <BulletSoftBody/btDeformableMassSpringForce.h>
 #include <BulletSoftBody/btSoftBodyHelpers.h>
