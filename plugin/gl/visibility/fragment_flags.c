@@ -190,7 +190,7 @@ void qcFragmentFlags_Draw(const struct qcGlFunctions* gl, const qcFragmentFlags*
 {
     if (flags->depthBuffer != 0)
         gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    gl->Uniform1i(flags->partUniform, part);
+    gl->Uniform1i(flags->partUniform, (GLint)part);
     gl->DrawArrays(GL_TRIANGLES, (GLint)first * flags->vertexCount, (GLsizei)count * flags->vertexCount);
 }
 

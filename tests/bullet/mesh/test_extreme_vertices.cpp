@@ -62,7 +62,7 @@ void CheckDirection(const qcExtremeVertices& vertices, const std::vector<btVecto
 START_TEST(extreme_vertices_are_those_of_all_vertices)
 {
     qcRandomNumbers random(7);
-    for (size_t count : {1, 2, 7, 8, 9, 63, 64, 65, 127, 128, 129, 300, 1000, 5000})
+    for (size_t count : {1u, 2u, 7u, 8u, 9u, 63u, 64u, 65u, 127u, 128u, 129u, 300u, 1000u, 5000u})
     {
         std::vector<btVector3> points;
         for (size_t i = 0; i < count; i++)

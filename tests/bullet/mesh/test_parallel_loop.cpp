@@ -15,8 +15,8 @@ constexpr uint32_t s_workers = 4;
 
 START_TEST(each_index_is_called_once_by_a_worker_that_runs_one_call_at_a_time)
 {
-    for (size_t block : {1, 7, 64})
-        for (size_t count : {0, 1, 6, 7, 8, 1000})
+    for (size_t block : {1u, 7u, 64u})
+        for (size_t count : {0u, 1u, 6u, 7u, 8u, 1000u})
         {
             std::vector<std::atomic<int>> calls(count), running(s_workers);
             std::atomic<int> overlaps{0};

@@ -47,7 +47,7 @@ void AddPieces(qcMeshWorld* world, const CutDef& def, btScalar speed, Pieces* pi
     btVector3 lower, upper;
     btBoxShape(btVector3(btScalar(0.5), btScalar(0.5), btScalar(0.5))).getAabb(place, lower, upper);
     place.setOrigin(btVector3(def.offset, btScalar(1e-4) - lower.y(), 0));
-    pieces->models.reserve(count * count * count + 1);
+    pieces->models.reserve(size_t(count * count * count) + 1);
     for (int i = 0; i < count * count * count; i++)
     {
         btVector3 half, center;
