@@ -251,22 +251,23 @@ void qcMotionPlanes::SolveOnce()
         SolvePlane(&plane);
 }
 
-void qcMotionPlanes::StopAll(int sweeps)
+void qcMotionPlanes::StopAll(int sweeps, btScalar slowest)
 {
     for (qcMotionPlane* plane : m_stopped)
+    {
         plane->approach = ClosingSpeedOf(*plane);
+        plane->restitution = plane->approach >= slowest ? RestitutionOf(*plane) : btScalar(0);
+    }
     for (int sweep = 0; sweep < sweeps; sweep++)
         for (qcMotionPlane* plane : m_stopped)
             SolveImpulse(*plane, 0, BT_LARGE_FLOAT, &plane->stopping);
 }
 
-void qcMotionPlanes::BounceAll(int sweeps, btScalar slowest)
+void qcMotionPlanes::BounceAll(int sweeps)
 {
     for (int sweep = 0; sweep < sweeps; sweep++)
         for (qcMotionPlane* plane : m_stopped)
-        {
-            const btScalar restitution = RestitutionOf(*plane);
-            if (restitution > 0 && plane->approach >= slowest)
-                SolveImpulse(*plane, restitution * plane->approach, restitution * plane->stopping, &plane->parting);
-        }
+            if (plane->restitution > 0)
+                SolveImpulse(*plane, plane->restitution * plane->approach, plane->restitution * plane->stopping,
+                             &plane->parting);
 }

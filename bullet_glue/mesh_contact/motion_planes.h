@@ -33,13 +33,14 @@ struct qcMotionPlaneSide
 struct qcMotionPlane
 {
     qcMotionPlaneSide above, below;
-    btVector3 normal;      ///< unit, from below to above
-    btScalar gap;          ///< required distance along the normal, of the two triangles or hulls
-    btScalar pushed;       ///< sum of impulses so far, times the time step
-    btVector3 arms[2];     ///< of the last push, from the centres of above and below
-    btScalar approach = 0; ///< speed along the normal before impulses
-    btScalar stopping = 0; ///< impulse that removes the approach, so far
-    btScalar parting = 0;  ///< impulse of the bounce
+    btVector3 normal;         ///< unit, from below to above
+    btScalar gap;             ///< required distance along the normal, of the two triangles or hulls
+    btScalar pushed;          ///< sum of impulses so far, times the time step
+    btVector3 arms[2];        ///< of the last push, from the centres of above and below
+    btScalar approach = 0;    ///< speed along the normal before impulses
+    btScalar restitution = 0; ///< 0 if it was too slow to bounce
+    btScalar stopping = 0;    ///< impulse that removes the approach, so far
+    btScalar parting = 0;     ///< impulse of the bounce
     /// The pushes of above and below when no push was needed; a plane that has not been solved has others.
     uint32_t held[2] = {UINT32_MAX, UINT32_MAX};
 };
@@ -62,13 +63,13 @@ class qcMotionPlanes
         for (qcMotionPlane& plane : m_planes)
             if (plane.pushed > 0 && isStopped(*plane.above.swept, *plane.below.swept))
                 m_stopped.push_back(&plane);
-        StopAll(sweeps);
-        BounceAll(sweeps, slowest);
+        StopAll(sweeps, slowest);
+        BounceAll(sweeps);
     }
 
   private:
-    void StopAll(int sweeps);
-    void BounceAll(int sweeps, btScalar slowest);
+    void StopAll(int sweeps, btScalar slowest);
+    void BounceAll(int sweeps);
 
     std::vector<qcMotionPlane> m_planes;
     std::vector<qcMotionPlane*> m_stopped;     ///< those of RemoveApproaches
