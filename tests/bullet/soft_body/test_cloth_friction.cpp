@@ -6,6 +6,7 @@
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <BulletSoftBody/btSoftBodyHelpers.h>
 
+#include <algorithm>
 #include <cmath>
 
 // After the standard headers: check defines a macro named fail.
@@ -24,6 +25,23 @@ double BalancedPart(double friction)
     return friction / (friction + std::exp(-friction * SIMD_HALF_PI));
 }
 
+/// A rectangle between two corners, at one height.
+btSoftBody* AddCloth(qcSoftWorld* made, const btVector3& lower, const btVector3& upper, int nodesAlong, int nodesAcross,
+                     double friction)
+{
+    const btScalar y = lower.y();
+    btSoftBody* cloth =
+        btSoftBodyHelpers::CreatePatch(made->world.getWorldInfo(), lower, btVector3(upper.x(), y, lower.z()),
+                                       btVector3(lower.x(), y, upper.z()), upper, nodesAlong, nodesAcross, 0, true);
+    cloth->getCollisionShape()->setMargin(btScalar(0.01));
+    cloth->setTotalMass(btScalar(0.3));
+    cloth->m_cfg.piterations = 8;
+    cloth->m_cfg.kDF = btScalar(friction);
+    made->world.addSoftBody(cloth);
+    made->cloths.push_back(cloth);
+    return cloth;
+}
+
 /// A strip along x, whose last `part` is beyond the edge of the table at x = 0.
 struct HangingStrip
 {
@@ -37,16 +55,9 @@ struct HangingStrip
             made.AddMesh(qcBoxModel(btVector3(2, btScalar(0.25), 1), 8), 0, btVector3(-2, btScalar(-0.25), 0));
         table->setFriction(1);
         const btScalar beyond = btScalar(part) * s_length, start = beyond - s_length;
-        auto at = [](btScalar x, btScalar z) { return btVector3(x, s_height, z); };
-        strip = btSoftBodyHelpers::CreatePatch(made.world.getWorldInfo(), at(start, -s_halfWidth),
-                                               at(beyond, -s_halfWidth), at(start, s_halfWidth),
-                                               at(beyond, s_halfWidth), s_nodesAlong, s_nodesAcross, 0, true);
-        strip->getCollisionShape()->setMargin(btScalar(0.01));
-        strip->setTotalMass(btScalar(0.3));
+        strip = AddCloth(&made, btVector3(start, s_height, -s_halfWidth), btVector3(beyond, s_height, s_halfWidth),
+                         s_nodesAlong, s_nodesAcross, friction);
         strip->m_cfg.piterations = 20;
-        strip->m_cfg.kDF = btScalar(friction);
-        made.world.addSoftBody(strip);
-        made.cloths.push_back(strip);
         for (int i = 0; i < strip->m_nodes.size(); i++)
             if (strip->m_nodes[i].m_x.x() < start + btScalar(0.001))
                 end.push_back(i);
@@ -90,6 +101,7 @@ START_TEST(a_strip_slides_off_a_table_where_its_weight_exceeds_its_friction)
     }
 }
 END_TEST
+
 /// A pinned cloth on which something may slide. Gravity is tilted instead of it.
 struct TiltedCloth
 {
@@ -101,24 +113,15 @@ struct TiltedCloth
     {
         made.meshContact.addTo(&made.world);
         made.SetGravity(btVector3(btScalar(10 * std::sin(tilt)), btScalar(-10 * std::cos(tilt)), 0));
-        btSoftBody* lower = AddCloth(btVector3(3, 0, btScalar(0.6)), 61, 13);
+        btSoftBody* lower = AddCentered(btVector3(3, 0, btScalar(0.6)), 61, 13);
         for (int i = 0; i < lower->m_nodes.size(); i++)
             lower->setMass(i, 0);
     }
 
     /// A rectangle around the y axis; `corner`: that of largest coordinates.
-    btSoftBody* AddCloth(const btVector3& corner, int nodesAlong, int nodesAcross)
+    btSoftBody* AddCentered(const btVector3& corner, int nodesAlong, int nodesAcross)
     {
-        auto at = [&](int x, int z) { return btVector3(btScalar(x), 1, btScalar(z)) * corner; };
-        btSoftBody* cloth = btSoftBodyHelpers::CreatePatch(made.world.getWorldInfo(), at(-1, -1), at(1, -1), at(-1, 1),
-                                                           at(1, 1), nodesAlong, nodesAcross, 0, true);
-        cloth->getCollisionShape()->setMargin(btScalar(0.01));
-        cloth->setTotalMass(btScalar(0.3));
-        cloth->m_cfg.piterations = 8;
-        cloth->m_cfg.kDF = btScalar(friction);
-        made.world.addSoftBody(cloth);
-        made.cloths.push_back(cloth);
-        return cloth;
+        return AddCloth(&made, corner * btVector3(-1, 1, -1), corner, nodesAlong, nodesAcross, friction);
     }
 
     /// By Coulomb's law, of what slides.
@@ -155,7 +158,7 @@ START_TEST(a_cloth_slides_down_another_one_as_friction_has_it)
     for (double slope : s_slopes)
     {
         TiltedCloth tilted(s_friction, slope);
-        const btSoftBody* cloth = tilted.AddCloth(btVector3(btScalar(0.5), s_height, btScalar(0.3)), 21, 13);
+        const btSoftBody* cloth = tilted.AddCentered(btVector3(btScalar(0.5), s_height, btScalar(0.3)), 21, 13);
         auto speed = [cloth]
         {
             double sum = 0;
