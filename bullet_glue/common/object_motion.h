@@ -7,6 +7,13 @@
 
 class btRigidBody;
 
+/// True if the object does not move: static, and not kinematic. Bodies without mass that are made kinematic have both
+/// flags, unless the application takes the first one away.
+inline bool qcIsStatic(const btCollisionObject* object)
+{
+    return object->isStaticObject() && !object->isKinematicObject();
+}
+
 /// True if the object's transform and velocities are finite.
 bool qcIsFinite(const btCollisionObject& object);
 

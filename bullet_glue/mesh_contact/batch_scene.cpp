@@ -108,7 +108,7 @@ btScalar qcBatchScene::MaxClosing(const btCollisionObject* object, const qcBatch
 btScalar qcBatchScene::ContactDistance(const qcBatchObject& a, const qcBatchObject& b)
 {
     btScalar rest = s_restDistance * std::min(a.threshold, b.threshold);
-    return std::min({a.maxContactDistance, b.maxContactDistance, rest + a.maxClosing + b.maxClosing});
+    return std::min({a.maxContactDistance, b.maxContactDistance, rest + a.maxClosing + b.maxClosing}) + a.lead + b.lead;
 }
 
 void qcBatchScene::InvalidateShape(const btCollisionShape* shape)
@@ -227,6 +227,7 @@ void qcBatchScene::Update(const btCollisionObject* object, qcBatchObject* gather
     gathered->maxContactDistance = std::min(
         gathered->threshold, std::max(s_restDistance * gathered->threshold, s_maxEdges * gathered->edgeLength));
     gathered->maxClosing = MaxClosing(object, *gathered);
+    gathered->lead = qcMaxRecession(object, m_timeStep, qcMaxLead * gathered->threshold);
 }
 
 /// Sets the mean motion of the bodies that may hold meshes if most of their motion is common, else none. Fragments of a
@@ -314,9 +315,9 @@ qcStatus qcBatchScene::UpdateMesh(qcBatchMesh* mesh, const qcBatchObject& gather
 /// Brings the scene up to date with an object.
 void qcBatchScene::UpdateScene(const btCollisionObject* object, qcBatchObject* gathered)
 {
-    qcActivity activity = object->isActive()         ? qc_activityMoving
-                          : object->isStaticObject() ? qc_activityStatic
-                                                     : qc_activitySleeping;
+    qcActivity activity = object->isActive()   ? qc_activityMoving
+                          : qcIsStatic(object) ? qc_activityStatic
+                                               : qc_activitySleeping;
     for (qcBatchMesh& mesh : gathered->meshes)
     {
         qcStatus status = UpdateMesh(&mesh, *gathered, activity);

@@ -60,6 +60,7 @@ struct qcBatchObject
     btScalar edgeLength = 0;         ///< estimate, of its finest mesh
     btScalar pairDistance = 0;       ///< half of the largest contact distance of its pairs
     btScalar maxClosing = 0;         ///< upper bound of its motion in a step relative to the mean motion
+    btScalar lead = 0;               ///< see qcMaxRecession
     qcObjectState state;             ///< at the last check
     uint64_t checked = 0;            ///< number of the last check of the object (qcBatchValidity)
     bool isChanged = false;          ///< result of that check: nothing that is known of its pairs holds

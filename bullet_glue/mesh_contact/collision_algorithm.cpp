@@ -4,6 +4,8 @@
 // others are replaced by addContactPoint, which passes on the impulses of the nearest point.
 #include "mesh_contact/collision_algorithm.h"
 
+#include "common/object_motion.h"
+
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
@@ -84,6 +86,20 @@ void ApplyMargins(btScalar marginA, btScalar marginB, std::vector<qcMeshPoint>* 
     }
 }
 
+/// Returns points on receding kinematic bodies to where they are at the start of the step.
+void ReturnReceding(const btCollisionObject* object0, const btCollisionObject* object1, btScalar timeStep,
+                    std::vector<qcMeshPoint>* points)
+{
+    for (qcMeshPoint& point : *points)
+    {
+        const btScalar travel0 = qcRecession(object0, point.onA, point.normal, timeStep);
+        const btScalar travel1 = qcRecession(object1, point.onB, -point.normal, timeStep);
+        point.onA -= point.normal * travel0;
+        point.onB += point.normal * travel1;
+        point.distance -= travel0 + travel1;
+    }
+}
+
 /// Removes points that are further apart than the contact distance and stay so in the step. The others become
 /// speculative contacts: without them the bodies would touch only after they have penetrated. A time step of 0 keeps no
 /// speculative contacts.
@@ -134,7 +150,7 @@ struct TravelAgainst
 TravelAgainst FindTravelAgainst(const btCollisionObject& object, const btVector3& normal, btScalar timeStep)
 {
     const btRigidBody* body = btRigidBody::upcast(&object);
-    if (body == nullptr || body->isStaticObject())
+    if (body == nullptr || qcIsStatic(body))
         return {};
     const btScalar centre = -body->getLinearVelocity().dot(normal) * timeStep;
     const btScalar turn =
@@ -339,6 +355,7 @@ void qcPointsAlgorithm::processCollision(const btCollisionObjectWrapper* body0, 
     }
     BT_PROFILE("qcMeshContact manifolds");
     contactDistance = std::min(contactDistance, BreakingThreshold(m_dispatcher, *body0, *body1));
+    ReturnReceding(object0, object1, dispatchInfo.m_timeStep, &points);
     // The threshold of a parent's manifold can't be raised to that of speculative contacts.
     RemoveDistant(object0, object1, contactDistance, m_isShared ? 0 : dispatchInfo.m_timeStep, &points);
     UpdateManifolds(&points, contactDistance, *body0, *body1, result);

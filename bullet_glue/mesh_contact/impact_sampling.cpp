@@ -1,6 +1,8 @@
 // Sampling the rigid motion of a step. plugin/docs/mesh_contact.md
 #include "mesh_contact/impact_sampling.h"
 
+#include "common/object_motion.h"
+
 #include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
@@ -106,7 +108,7 @@ void qcImpactSampler::AddPair(const qcMovingMesh& a, const qcMovingMesh& b, cons
 btTransform qcImpactSampler::TransformAt(const Mesh& mesh, btScalar time)
 {
     const qcMovingMesh& moving = mesh.moving;
-    if (time == 0 || moving.object->isStaticObject())
+    if (time == 0 || qcIsStatic(moving.object))
         return moving.transform;
     const btTransform& now = moving.object->getWorldTransform();
     btTransform then;
@@ -125,7 +127,7 @@ qcStatus qcImpactSampler::SetTransforms(qcScene* scene, btScalar time) const
     qcStatus status = qc_statusOk;
     for (const Mesh& mesh : m_meshes)
     {
-        if (mesh.moving.object->isStaticObject())
+        if (qcIsStatic(mesh.moving.object))
             continue;
         qcTransform transform = qcTransformOf(TransformAt(mesh, time));
         qcStatus set = qcScene_SetTransform(scene, mesh.moving.id, &transform);

@@ -100,11 +100,11 @@ qcPlanePairs::Result qcPlanePairs::ComputePair(const qcBatchPair& duePair, size_
     qcSeparation separation;
     result.isTouching = guess.fuzzyZero() && qcFindTouchingFaces(sideA, sideB, &separation);
     if (!result.isTouching)
-        separation =
-            qcFindSeparation(sideA, sideB, guess, std::max(distance, rest + max) + margins, qcFaceSlack * threshold);
+        separation = qcFindSeparation(sideA, sideB, guess, std::max(distance, rest + max) + a.lead + b.lead + margins,
+                                      qcFaceSlack * threshold);
     m_cache.KeepAxis(object0, sideA.transform, object1, sideB.transform, separation.axis);
     btScalar closing = approach.Along(separation.axis);
-    distance = std::max(distance, rest + closing) + margins;
+    distance = std::max(distance, rest + closing) + a.lead + b.lead + margins;
     // Two that turn touch elsewhere than where they are nearest: samples follow the motion.
     const bool turns = !result.isTouching && separation.gap <= distance && approach.turn > spacing;
     if (turns && std::max(meshA->Triangles().count, meshB->Triangles().count) <= s_fewTriangles)

@@ -1,6 +1,8 @@
 // Motion of rigid bodies within a step, and bounds on it.
 #include "mesh_contact/rigid_motion.h"
 
+#include "common/object_motion.h"
+
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
@@ -8,11 +10,25 @@
 qcRigidMotion::qcRigidMotion(const btCollisionObject* object) : centre(object->getWorldTransform().getOrigin())
 {
     const btRigidBody* body = btRigidBody::upcast(object);
-    if (body != nullptr && !object->isStaticObject())
+    if (body != nullptr && !qcIsStatic(object))
     {
         linear = body->getLinearVelocity();
         angular = body->getAngularVelocity();
     }
+}
+
+btScalar qcRecession(const btCollisionObject* object, const btVector3& point, const btVector3& direction,
+                     btScalar timeStep)
+{
+    if (!object->isKinematicObject())
+        return 0;
+    return std::max(qcRigidMotion(object).VelocityAt(point).dot(direction) * timeStep, btScalar(0));
+}
+
+btScalar qcMaxRecession(const btCollisionObject* object, btScalar timeStep, btScalar limit)
+{
+    return object->isKinematicObject() ? std::min(qcRigidMotion(object).linear.length() * timeStep, limit)
+                                       : btScalar(0);
 }
 
 btScalar qcDisplacementBound(const btTransform& from, const btTransform& to, btScalar radius)
@@ -31,7 +47,7 @@ btScalar qcMaxClosingDistance(const btCollisionObject* object, btScalar radius, 
                               const qcRigidMotion& meanMotion)
 {
     const btRigidBody* body = btRigidBody::upcast(object);
-    if (!object->isStaticObject() && (body == nullptr || timeStep <= 0))
+    if (!qcIsStatic(object) && (body == nullptr || timeStep <= 0))
         return limit;
     qcRigidMotion motion(object);
     motion.linear -= meanMotion.VelocityAt(motion.centre);

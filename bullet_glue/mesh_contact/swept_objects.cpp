@@ -208,7 +208,7 @@ void qcSweptObjects::FindPlanes()
     m_planes.clear();
     const btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
     for (int i = 0; i < objects.size(); i++)
-        if (objects[i]->getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE && objects[i]->isStaticObject() &&
+        if (objects[i]->getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE && qcIsStatic(objects[i]) &&
             qcIsFinite(*objects[i]))
             m_planes.push_back(objects[i]);
 }
@@ -345,7 +345,7 @@ bool qcSweptObjects::TakesCores(const btCollisionObject* object)
         return false;
     if (object->isKinematicObject())
         return m_anyFreeMesh;
-    if (!object->isStaticObject() && DynamicBody(const_cast<btCollisionObject*>(object)) == nullptr &&
+    if (!qcIsStatic(object) && DynamicBody(const_cast<btCollisionObject*>(object)) == nullptr &&
         qcAsLink(object) == nullptr)
         return false;
     const qcSweptObject* known = m_coreCount > 0 ? Find(object) : nullptr;

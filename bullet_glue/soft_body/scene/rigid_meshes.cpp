@@ -87,9 +87,9 @@ void ReadState(qcSceneRigid* rigid, const btTransform& start)
     btRigidBody* body = btRigidBody::upcast(rigid->object);
     bool isPushed = body != nullptr && body->isActive() && !body->isStaticOrKinematicObject();
     rigid->body = isPushed ? body : nullptr;
-    bool moves = (rigid->object->isActive() && !rigid->object->isStaticObject()) || rigid->Deforms();
+    bool moves = (rigid->object->isActive() && !qcIsStatic(rigid->object)) || rigid->Deforms();
     qcActivity activity = moves || !qcAreSame(start, rigid->object->getWorldTransform()) ? qc_activityMoving
-                          : rigid->object->isStaticObject()                              ? qc_activityStatic
+                          : qcIsStatic(rigid->object)                                    ? qc_activityStatic
                                                                                          : qc_activitySleeping;
     // The previous result has no pairs of two sleeping bodies.
     rigid->hasEnd = rigid->hasEnd && activity == rigid->activity;

@@ -1,0 +1,116 @@
+// What lies on a kinematic platform goes down with it, pressed on it by its weight.
+#include "bullet/mesh/mesh_world.h"
+
+namespace
+{
+constexpr btScalar s_liftGravity = 10, s_loadHalf = btScalar(0.3), s_liftHalf = btScalar(0.1);
+
+/// A platform at rest for a second, which then goes down, with half of gravity's acceleration up to a speed.
+struct Lift : btMotionState
+{
+    qcMeshWorld made;
+    btRigidBody *platform, *load;
+    btTransform place = btTransform::getIdentity();
+    btScalar speed = 0;
+
+    /// `isMesh`: the platform is a mesh, else a box of Bullet's. `flags`: its collision flags.
+    Lift(bool isMesh, int flags)
+    {
+        made.world.setGravity(btVector3(0, -s_liftGravity, 0));
+        const btVector3 half(4, s_liftHalf, 4);
+        btCollisionShape* shape = isMesh ? made.Keep(qcBoxModel(half, 2).MakeShape())
+                                         : made.Keep(std::unique_ptr<btCollisionShape>(new btBoxShape(half)));
+        platform = made.Add(shape, 0, btVector3(0, 0, 0));
+        platform->setCollisionFlags(flags);
+        platform->setActivationState(DISABLE_DEACTIVATION);
+        platform->setMotionState(this);
+        platform->setFriction(1);
+        load = made.Add(made.Keep(qcBoxModel(btVector3(s_loadHalf, s_loadHalf, s_loadHalf), 2).MakeShape()), 1,
+                        btVector3(0, s_loadHalf + s_liftHalf + btScalar(0.02), 0));
+        load->setFriction(btScalar(0.5));
+        load->setActivationState(DISABLE_DEACTIVATION);
+    }
+
+    void getWorldTransform(btTransform& transform) const override
+    {
+        transform = place;
+    }
+    void setWorldTransform(const btTransform& /*transform*/) override
+    {
+    }
+
+    /// A step at the present speed.
+    void Step(btScalar timeStep)
+    {
+        place.getOrigin() -= btVector3(0, speed * timeStep, 0);
+        made.world.stepSimulation(timeStep, 0);
+        ck_assert_int_eq(made.contact.getStatistics().status, qc_statusOk);
+    }
+
+    /// Of the load over the platform.
+    btVector3 Offset() const
+    {
+        return load->getWorldTransform().getOrigin() - platform->getWorldTransform().getOrigin();
+    }
+
+    /// On the load in the last step.
+    btScalar NormalImpulse()
+    {
+        btScalar sum = 0;
+        for (int i = 0; i < made.dispatcher.getNumManifolds(); i++)
+        {
+            const btPersistentManifold* manifold = made.dispatcher.getManifoldByIndexInternal(i);
+            for (int k = 0; k < manifold->getNumContacts(); k++)
+                sum += manifold->getContactPoint(k).m_appliedImpulse;
+        }
+        return sum;
+    }
+};
+
+// Bodies without mass that are made kinematic have both flags.
+constexpr int s_kinematicFlags[] = {btCollisionObject::CF_KINEMATIC_OBJECT,
+                                    btCollisionObject::CF_KINEMATIC_OBJECT | btCollisionObject::CF_STATIC_OBJECT};
+
+START_TEST(a_body_on_a_lift_that_goes_down_keeps_its_weight_and_friction)
+{
+    const bool isMesh = _i % 2 != 0;
+    const int flags = s_kinematicFlags[_i / 2];
+    for (int stepsPerSecond : {30, 60, 120})
+        for (btScalar speed : {btScalar(0.5), btScalar(1.5)})
+        {
+            Lift lift(isMesh, flags);
+            const btScalar timeStep = btScalar(1) / btScalar(stepsPerSecond);
+            for (int step = 0; step < 2 * stepsPerSecond; step++)
+            {
+                if (step >= stepsPerSecond)
+                    lift.speed = std::min(speed, lift.speed + s_liftGravity / 2 * timeStep);
+                lift.Step(timeStep);
+            }
+            const btScalar start = lift.Offset().x(), height = lift.Offset().y();
+            lift.load->setLinearVelocity(lift.load->getLinearVelocity() + btVector3(btScalar(0.5), 0, 0));
+            btScalar impulse = 0;
+            for (int step = 0; step < stepsPerSecond; step++)
+            {
+                lift.Step(timeStep);
+                impulse += lift.NormalImpulse();
+            }
+            const double slid = double(lift.Offset().x() - start);
+            ck_assert_msg(slid > 0.01 && slid < 0.045, "%d steps a second, %g m/s: slides by %g m", stepsPerSecond,
+                          double(speed), slid);
+            ck_assert_msg(btFabs(impulse / s_liftGravity - 1) < btScalar(0.03), "%d steps a second, %g m/s: weighs %g",
+                          stepsPerSecond, double(speed), double(impulse / s_liftGravity));
+            ck_assert_msg(btFabs(lift.Offset().y() - height) < btScalar(0.005), "%d steps a second, %g m/s: %g m high",
+                          stepsPerSecond, double(speed), double(lift.Offset().y() - height));
+        }
+}
+END_TEST
+} // namespace
+
+QC_TEST_MAIN()
+{
+    Suite* suite = suite_create("kinematic_lift");
+    TCase* tests = tcase_create("kinematic_lift");
+    tcase_add_loop_test(tests, a_body_on_a_lift_that_goes_down_keeps_its_weight_and_friction, 0, 4);
+    suite_add_tcase(suite, tests);
+    return qcRunSuite(suite);
+}
