@@ -10,6 +10,7 @@
 #include "soft_body/draw_contacts.h"
 #include "soft_body/response/clearance.h"
 #include "soft_body/response/elastic_contacts.h"
+#include "soft_body/response/force_chains.h"
 #include "soft_body/response/held_contacts.h"
 #include "soft_body/response/position_constraints.h"
 #include "soft_body/response/rigid_zones.h"
@@ -89,6 +90,7 @@ struct qcSoftBodyContact::Implementation
 
     btScalar m_timeStep = 0;
     std::vector<qcSoftConstraint> m_constraints;
+    qcForceChains m_chains;                    ///< of the constraints
     std::vector<size_t> m_contactOfConstraint; ///< index in the result
     std::vector<qcSoftLink> m_links;
     std::vector<qcRigidNodeContact> m_rigidNodeContacts;

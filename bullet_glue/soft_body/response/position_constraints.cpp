@@ -5,6 +5,7 @@
 
 #include "common/shape_triangles.h"
 #include "soft_body/response/contact_sides.h"
+#include "soft_body/response/force_chains.h"
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
@@ -33,14 +34,12 @@ void AddNodes(qcSceneSoftBody& body, const uint32_t vertices[3], const double we
     }
 }
 
-btVector3 Offset(const qcSoftConstraint& constraint)
+/// Reads where the point of the mesh is now.
+void ReadPoint(qcSoftConstraint* constraint)
 {
-    btVector3 offset(0, 0, 0);
-    for (int i = 0; i < constraint.nodeCount; i++)
-        offset += constraint.weight[i] * *constraint.position[i];
-    if (const qcSceneRigid* rigid = constraint.rigid)
-        offset -= constraint.point + rigid->Pushed().linear + rigid->Pushed().angular.cross(constraint.arm);
-    return offset;
+    const btTransform& now = constraint->rigid->object->getWorldTransform();
+    constraint->point = now * constraint->place;
+    constraint->arm = constraint->point - now.getOrigin();
 }
 
 /// How far a unit impulse along a direction moves the sides apart, times the time step; at least as far as it moves
@@ -67,28 +66,32 @@ void Push(const qcSoftConstraint& constraint, const btVector3& missing)
         constraint.rigid->Push(constraint.arm, -missing / yield);
 }
 
-/// How far friction moves the sides at most: its impulse is the coefficient times that of the push. A rigid body may
-/// yield along the surface by another amount than along the normal.
+/// How far friction moves the sides at most: its impulse is the coefficient times that of the push, and what chains
+/// leave. A rigid body may yield along the surface by another amount than along the normal.
 btScalar MaxFriction(const qcSoftConstraint& constraint, const btVector3& sliding)
 {
-    const btScalar most = constraint.friction * constraint.pushed;
-    if (constraint.rigid == nullptr || !constraint.rigid->CanMove())
-        return most;
+    const btScalar ofPush = constraint.friction * constraint.pushed;
+    const bool yieldsEvenly = constraint.rigid == nullptr || !constraint.rigid->CanMove();
+    if (yieldsEvenly && constraint.spareFriction <= 0)
+        return ofPush;
+    const btScalar aside = YieldAlong(constraint, sliding), spare = constraint.spareFriction * aside;
+    if (yieldsEvenly)
+        return ofPush + spare;
     const btScalar yield = YieldAlong(constraint, constraint.normal);
-    return yield > 0 ? most * YieldAlong(constraint, sliding) / yield : btScalar(0);
+    return yield > 0 ? ofPush * aside / yield + spare : btScalar(0);
 }
 
 /// False: it was satisfied, and nothing has moved.
 bool Solve(qcSoftConstraint& constraint)
 {
-    btVector3 offset = Offset(constraint);
+    btVector3 offset = qcOffsetOf(constraint);
     btScalar missing = constraint.distance - constraint.normal.dot(offset);
     const btScalar previous = constraint.accumulates ? constraint.pushed : btScalar(0);
     const btVector3 previousTaken = constraint.accumulates ? constraint.taken : btVector3(0, 0, 0);
     constraint.pushed = previous + missing;
     if (constraint.pushed <= 0)
         constraint.pushed = 0;
-    if (constraint.pushed == previous)
+    if (constraint.pushed == previous && constraint.spareFriction <= 0)
         return false;
     Push(constraint, constraint.normal * (constraint.pushed - previous));
     // Coulomb friction takes back sliding since the start.
@@ -102,6 +105,8 @@ bool Solve(qcSoftConstraint& constraint)
         taken *= largest / length;
     Push(constraint, previousTaken - taken);
     constraint.taken = taken;
+    if (!constraint.accumulates)
+        constraint.spareFriction = 0;
     return true;
 }
 
@@ -166,6 +171,16 @@ bool HaveResponse(const qcSceneSoftBody& a, const qcSceneSoftBody& b)
     return &a == &b || !AreFiltered(a.body, b.body);
 }
 } // namespace
+
+btVector3 qcOffsetOf(const qcSoftConstraint& constraint)
+{
+    btVector3 offset(0, 0, 0);
+    for (int i = 0; i < constraint.nodeCount; i++)
+        offset += constraint.weight[i] * *constraint.position[i];
+    if (const qcSceneRigid* rigid = constraint.rigid)
+        offset -= constraint.point + rigid->Pushed().linear + rigid->Pushed().angular.cross(constraint.arm);
+    return offset;
+}
 
 bool qcHasResponse(const qcSceneSoftBody& soft, const btCollisionObject* object)
 {
@@ -246,10 +261,9 @@ bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], con
 {
     *constraint = qcSoftConstraint();
     AddNodes(soft, vertices, weights, 1, constraint);
-    const btTransform& now = rigid.object->getWorldTransform();
     constraint->rigid = &rigid;
-    constraint->point = now * place.point;
-    constraint->arm = constraint->point - now.getOrigin();
+    constraint->place = place.point;
+    ReadPoint(constraint);
     constraint->startOffset -= rigid.start * place.start;
     constraint->friction = soft.FrictionOn(*rigid.object);
     // What lies on a shape that has other triangles now goes with them at once.
@@ -300,16 +314,24 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
     }
 }
 
-void qcSolveSoftConstraints(std::vector<qcSoftConstraint>* constraints, const std::vector<qcSoftLink>& links,
-                            std::vector<qcRigidNodeContact>* rigidNodeContacts, int iterations)
+void qcSolveSoftConstraints(std::vector<qcSoftConstraint>* constraints, qcForceChains* chains,
+                            const std::vector<qcSoftLink>& links, std::vector<qcRigidNodeContact>* rigidNodeContacts,
+                            int iterations)
 {
+    chains->Begin();
+    for (qcSoftConstraint& constraint : *constraints)
+    {
+        constraint.spareFriction = 0;
+        if (constraint.rigid != nullptr)
+            ReadPoint(&constraint);
+    }
     size_t movedCount = 0;
     for (int i = 0; i < iterations; i++)
     {
         // Bullet has solved the links before the first sweep.
         if (i > 0)
             qcSolveLinks(links);
-        bool moved = false;
+        bool moved = chains->Solve(constraints);
         for (qcSoftConstraint& constraint : *constraints)
             moved = Solve(constraint) || moved;
         if (!moved && links.empty() && rigidNodeContacts->empty())
@@ -332,7 +354,7 @@ void qcAddRecovery(std::vector<qcSoftConstraint>* constraints, btScalar share, b
         }
 }
 
-void qcRestoreGaps(qcSoftBodyScene& scene, std::vector<qcSoftConstraint>* constraints,
+void qcRestoreGaps(qcSoftBodyScene& scene, std::vector<qcSoftConstraint>* constraints, qcForceChains* chains,
                    std::vector<qcRigidNodeContact>* rigidNodeContacts, btScalar share, int iterations)
 {
     if (std::none_of(constraints->begin(), constraints->end(),
@@ -346,7 +368,7 @@ void qcRestoreGaps(qcSoftBodyScene& scene, std::vector<qcSoftConstraint>* constr
     qcAddRecovery(constraints, share, false);
     // Rigid bodies get impulses only for what gives the nodes velocities.
     const std::vector<qcRigidNodeContact> contacts = *rigidNodeContacts;
-    qcSolveSoftConstraints(constraints, {}, rigidNodeContacts, iterations);
+    qcSolveSoftConstraints(constraints, chains, {}, rigidNodeContacts, iterations);
     *rigidNodeContacts = contacts;
     for (size_t i = 0; i < positions.size(); i++)
     {

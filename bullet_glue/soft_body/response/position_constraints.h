@@ -46,7 +46,8 @@ struct qcSoftConstraint
     btScalar weight[6];                ///< positive on the side to which the normal points, negative on the other
     btScalar inverseEffectiveMass = 0; ///< of the nodes: sum of weight^2 * inverse mass
     qcSceneRigid* rigid = nullptr;     ///< the mesh's object, or null
-    btVector3 point, arm;              ///< on the mesh; the arm is from the object's centre to the point
+    btVector3 place;                   ///< on the mesh, in the frame of its object
+    btVector3 point, arm;              ///< there at the last Commit; the arm is from the object's centre to the point
     btVector3 normal;
     btVector3 startOffset{0, 0, 0}; ///< the weighted sum at the start of the step
     btScalar distance = 0;
@@ -59,7 +60,14 @@ struct qcSoftConstraint
     bool accumulates = false;
     btScalar pushed = 0;      ///< along the normal so far
     btVector3 taken{0, 0, 0}; ///< sliding that friction has taken back so far
+    /// Friction that force chains through this contact leave to it: an impulse times the time step.
+    btScalar spareFriction = 0;
 };
+
+class qcForceChains;
+
+/// The offset from the negative side to the positive one at present: the weighted sum of its points.
+btVector3 qcOffsetOf(const qcSoftConstraint& constraint);
 
 /// True if contacts between the bodies of these two slots (or of one with itself) push them apart.
 bool qcHasResponse(qcSoftBodyScene& scene, uint32_t slotA, uint32_t slotB);
@@ -86,10 +94,11 @@ bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], con
 void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles, const qcResult& result,
                            std::vector<qcSoftConstraint>* constraints, std::vector<size_t>* contactOf);
 
-/// Gauss-Seidel sweeps over the links, the constraints in their order, and the rigid node contacts. Meshes move with
-/// the next Commit.
-void qcSolveSoftConstraints(std::vector<qcSoftConstraint>* constraints, const std::vector<qcSoftLink>& links,
-                            std::vector<qcRigidNodeContact>* rigidNodeContacts, int iterations);
+/// Gauss-Seidel sweeps over the links, the chains, the constraints in their order, and the rigid node contacts. Meshes
+/// move with the next Commit.
+void qcSolveSoftConstraints(std::vector<qcSoftConstraint>* constraints, qcForceChains* chains,
+                            const std::vector<qcSoftLink>& links, std::vector<qcRigidNodeContact>* rigidNodeContacts,
+                            int iterations);
 
 /// Has the constraints restore this share of the gaps that were missing at the start of the step, with the velocity
 /// that it gives; `onlyTangled`: those of tangled bodies, which come apart by it.
@@ -97,7 +106,7 @@ void qcAddRecovery(std::vector<qcSoftConstraint>* constraints, btScalar share, b
 
 /// Restores such gaps after the sweeps, in further ones, as a motion without velocity: see qcSceneSoftBody::shifts and
 /// qcSceneRigid::recovered. Only what pushes multibodies gives velocities.
-void qcRestoreGaps(qcSoftBodyScene& scene, std::vector<qcSoftConstraint>* constraints,
+void qcRestoreGaps(qcSoftBodyScene& scene, std::vector<qcSoftConstraint>* constraints, qcForceChains* chains,
                    std::vector<qcRigidNodeContact>* rigidNodeContacts, btScalar share, int iterations);
 
 #endif

@@ -242,8 +242,9 @@ btScalar FindShare(const Corners& above, const Corners& below, btScalar missing)
     return min;
 }
 
-/// Pushes both sides out of the missing gap; `movesAll`: false: guided objects alone.
-void SolvePlane(const qcSeparationPlane& plane, bool movesAll)
+/// Pushes both sides out of the missing gap; `movesAll`: false: guided objects alone. False: it was not missing, or no
+/// side can move.
+bool SolvePlane(const qcSeparationPlane& plane, bool movesAll)
 {
     btVector3 origin = plane.above.soft != nullptr   ? plane.above.soft->positions[plane.above.vertices[0]]
                        : plane.below.soft != nullptr ? plane.below.soft->positions[plane.below.vertices[0]]
@@ -252,10 +253,10 @@ void SolvePlane(const qcSeparationPlane& plane, bool movesAll)
         plane.gap - LowestOf(plane.above, plane.normal, origin) - LowestOf(plane.below, -plane.normal, origin);
     // Most planes hold in most sweeps.
     if (missing <= 0)
-        return;
+        return false;
     Corners above(plane.above, plane.normal, origin, movesAll), below(plane.below, -plane.normal, origin, movesAll);
     if (!above.moves && !below.moves)
-        return;
+        return false;
     btScalar share = FindShare(above, below, missing);
     btScalar floorAbove = above.lowest + share * missing, floorBelow = below.lowest + (1 - share) * missing;
     // Many planes push a guided body out of nodes that stay, each for itself: friction of all would hold it fast.
@@ -273,6 +274,7 @@ void SolvePlane(const qcSeparationPlane& plane, bool movesAll)
     }
     above.Raise(floorAbove, friction);
     below.Raise(floorBelow, -friction);
+    return true;
 }
 
 btScalar ThicknessOf(const qcPlaneSide& side)
@@ -427,9 +429,21 @@ void qcSeparationPlanes::Add(qcSoftBodyScene& scene, const qcUnprovenPair& unpro
     m_planes.push_back(plane);
 }
 
+bool qcSeparationPlanes::HasGuided() const
+{
+    auto isGuided = [](const qcPlaneSide& side) { return side.rigid != nullptr && side.rigid->isGuided; };
+    return std::any_of(m_planes.begin(), m_planes.end(),
+                       [&isGuided](const qcSeparationPlane& plane)
+                       { return isGuided(plane.above) || isGuided(plane.below); });
+}
+
 void qcSeparationPlanes::Solve(int sweeps, bool movesAll)
 {
-    for (int i = 0; i < sweeps; i++)
+    bool moved = true;
+    for (int i = 0; i < sweeps && moved; i++)
+    {
+        moved = false;
         for (const qcSeparationPlane& plane : m_planes)
-            SolvePlane(plane, movesAll);
+            moved = SolvePlane(plane, movesAll) || moved;
+    }
 }

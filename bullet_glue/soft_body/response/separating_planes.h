@@ -56,8 +56,11 @@ class qcSeparationPlanes
     /// Adds a plane for a pair, unless the pair has one. `widening`: by which the gap of the start is to grow, as a
     /// share of the thickness.
     void Add(qcSoftBodyScene& scene, const qcUnprovenPair& unproven, btScalar widening = 0);
-    /// Gauss-Seidel sweeps over all planes. Moves positions of nodes; meshes move with the next Commit. `movesAll`:
-    /// false: guided meshes alone.
+    /// True if one of the planes pushes a guided object: sweeps converge slowly, since it may weigh far more than
+    /// nodes.
+    bool HasGuided() const;
+    /// Gauss-Seidel sweeps over all planes, at most. Moves positions of nodes; meshes move with the next Commit.
+    /// `movesAll`: false: guided meshes alone.
     void Solve(int sweeps, bool movesAll = true);
     size_t Count() const
     {

@@ -164,12 +164,12 @@ START_TEST(contact_keeps_the_momentum_of_cloth_and_links)
     const btVector3 momentum = robot.Momentum();
     btScalar energy = robot.Energy(s_none);
     ck_assert_double_eq_tol(double(momentum.y()), -6, 1e-4);
-    for (btScalar time = 0; time < 1; time += world->TimeStep())
+    // Bullet's own integration of joints that turn, without contact, changes it by more than contact does: short steps.
+    for (int step = 0; step < 480; step++)
     {
-        world->Step();
+        world->World().stepSimulation(btScalar(1.0 / 480), 0);
         ck_assert_uint_eq(oracle.Count(), 0);
-        // Bullet's own integration of such joints, without contact, changes it by 0.1 to 0.2.
-        ck_assert_double_lt(double((robot.Momentum() + qcMomentumOf(cloth) - momentum).length()), 0.12);
+        ck_assert_double_lt(double((robot.Momentum() + qcMomentumOf(cloth) - momentum).length()), 0.1);
         ck_assert_double_lt(double(robot.Energy(s_none) + ClothEnergy(cloth, s_none)), 1.01 * double(energy));
     }
     // The cloth has taken a good part.
@@ -276,17 +276,18 @@ struct Gripper
 };
 } // namespace
 
-START_TEST(fingers_lift_a_cloth_that_they_press_against_a_board)
+/// `boardAside`: the place of the board, in x.
+static void LiftFromBoard(bool isDeformable, btScalar boardAside, btScalar pressSpeed, btScalar liftSpeed)
 {
     // The board, of 4 cm, leaves the cloth no room. Gaps in the grip are as small as the rounding of positions.
-    std::unique_ptr<qcMultiBodyWorld> world = qcMakeMultiBodyWorld(_i != 0, s_gravity);
+    std::unique_ptr<qcMultiBodyWorld> world = qcMakeMultiBodyWorld(isDeformable, s_gravity);
     btSoftBody* cloth = world->AddCloth(0, false);
     qcSoftBodySettings settings = world->Contact().getSettings(cloth);
     settings.friction = 1;
     ck_assert_int_eq(world->Contact().setSettings(cloth, settings), qc_statusOk);
     const qcFixedBox floor(*world, btVector3(5, 1, 5), btVector3(0, btScalar(-1.6), 0));
     const qcFixedBox board(*world, btVector3(btScalar(0.02), btScalar(0.3), btScalar(0.3)),
-                           btVector3(0, btScalar(-0.35), 0));
+                           btVector3(boardAside, btScalar(-0.35), 0));
     Gripper gripper(*world, btVector3(0, 1, 0));
     qcMotionOracle oracle;
     oracle.Add([cloth] { return qcWorldMeshOf(cloth); });
@@ -294,12 +295,20 @@ START_TEST(fingers_lift_a_cloth_that_they_press_against_a_board)
     for (btScalar time = 0; time < 5; time += world->TimeStep())
     {
         for (btMultiBodyJointMotor& finger : gripper.fingers)
-            finger.setVelocityTarget(time > 1 ? btScalar(0.3) : btScalar(0));
-        gripper.lift.setVelocityTarget(time > 3 ? btScalar(0.4) : btScalar(0));
+            finger.setVelocityTarget(time > 1 ? pressSpeed : btScalar(0));
+        gripper.lift.setVelocityTarget(time > 3 ? liftSpeed : btScalar(0));
         world->StepApart(oracle);
     }
-    ck_assert_double_gt(double(HighestNode(cloth)), 0.4);
+    ck_assert_msg(HighestNode(cloth) > btScalar(0.4), "board at %g, speeds %g and %g: %g m", double(boardAside),
+                  double(pressSpeed), double(liftSpeed), double(HighestNode(cloth)));
     gripper.ForEachMotor([&world](btMultiBodyJointMotor& motor) { world->World().removeMultiBodyConstraint(&motor); });
+}
+
+START_TEST(fingers_lift_a_cloth_that_they_press_against_a_board)
+{
+    for (int i : {0, 1, 5})
+        LiftFromBoard(_i != 0, btScalar(i - 3) / 300, btScalar(0.3) + btScalar(i % 3 - 1) / 25,
+                      btScalar(0.4) + btScalar(i % 2) / 20);
 }
 END_TEST
 
