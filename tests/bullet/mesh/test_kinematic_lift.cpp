@@ -47,13 +47,13 @@ struct Lift : btMotionState
         ck_assert_int_eq(made.contact.getStatistics().status, qc_statusOk);
     }
 
-    /// Of the load over the platform.
+    /// Where the load is, seen from the platform.
     btVector3 Offset() const
     {
         return load->getWorldTransform().getOrigin() - platform->getWorldTransform().getOrigin();
     }
 
-    /// On the load in the last step.
+    /// The sum of impulses on the load in the last step.
     btScalar NormalImpulse()
     {
         btScalar sum = 0;

@@ -18,8 +18,8 @@ namespace
 constexpr btScalar s_thickness = btScalar(0.01), s_meshMargin = btScalar(0.001);
 
 /// A cloth between opposite corners of a rectangle whose edges are along `u` and `v`.
-btSoftBody* AddCloth(qcSoftWorld* made, const btVector3& corner, const btVector3& u, const btVector3& v, int nodesAlong,
-                     int nodesAcross, double friction)
+btSoftBody* AddPressedCloth(qcSoftWorld* made, const btVector3& corner, const btVector3& u, const btVector3& v,
+                            int nodesAlong, int nodesAcross, double friction)
 {
     btSoftBody* cloth = btSoftBodyHelpers::CreatePatch(made->world.getWorldInfo(), corner, corner + u, corner + v,
                                                        corner + u + v, nodesAlong, nodesAcross, 0, true);
@@ -73,14 +73,14 @@ struct Pile
         for (int layer = 0; layer < layers; layer++)
         {
             const btScalar height = btScalar(ContactDistance(isMesh)) + btScalar(layer) * s_thickness;
-            AddCloth(&made, btVector3(btScalar(-0.5), height + btScalar(1e-4), btScalar(-0.5)), btVector3(1, 0, 0),
-                     btVector3(0, 0, 1), nodes, nodes, 0.5);
+            AddPressedCloth(&made, btVector3(btScalar(-0.5), height + btScalar(1e-4), btScalar(-0.5)),
+                            btVector3(1, 0, 0), btVector3(0, 0, 1), nodes, nodes, 0.5);
         }
         box = AddBox(&made, isMesh, btVector3(btScalar(0.2), btScalar(0.1), btScalar(0.2)), mass,
                      btVector3(btScalar(0.013), btScalar(layersHeight + 0.101), btScalar(0.007)));
     }
 
-    /// Of the lower side of the box over the table.
+    /// How high the lower side of the box is over the table.
     double Height() const
     {
         return double(box->getWorldTransform().getOrigin().y()) - 0.1;
@@ -186,8 +186,8 @@ struct Grip
     {
         made.meshContact.addTo(&made.world);
         made.SetGravity(btVector3(0, -10, 0));
-        strip = AddCloth(&made, btVector3(btScalar(-0.2), 0, 0), btVector3(btScalar(0.4), 0, 0), btVector3(0, -1, 0),
-                         13, 31, friction);
+        strip = AddPressedCloth(&made, btVector3(btScalar(-0.2), 0, 0), btVector3(btScalar(0.4), 0, 0),
+                                btVector3(0, -1, 0), 13, 31, friction);
         for (int side : {0, 1})
         {
             const btScalar aside = btScalar(0.05 + ContactDistance(isMesh) - 1e-4) * btScalar(2 * side - 1);
