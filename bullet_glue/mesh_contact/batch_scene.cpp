@@ -227,7 +227,9 @@ void qcBatchScene::Update(const btCollisionObject* object, qcBatchObject* gather
     gathered->maxContactDistance = std::min(
         gathered->threshold, std::max(s_restDistance * gathered->threshold, s_maxEdges * gathered->edgeLength));
     gathered->maxClosing = MaxClosing(object, *gathered);
-    gathered->lead = qcMaxRecession(object, m_timeStep, qcMaxLead * gathered->threshold);
+    const btScalar lead =
+        object->isKinematicObject() ? qcRigidMotion(object).linear.length() * m_timeStep : btScalar(0);
+    gathered->lead = lead <= qcMaxLead * gathered->threshold ? lead : btScalar(0);
 }
 
 /// Sets the mean motion of the bodies that may hold meshes if most of their motion is common, else none. Fragments of a

@@ -40,6 +40,9 @@ struct qcObjectState
     bool IsStateOf(const btCollisionObject* object) const;
 };
 
+/// Upper bound of a kinematic body's lead, in contact breaking thresholds.
+constexpr btScalar qcMaxLead = 4;
+
 /// An object that may hold meshes. Contact distances exclude the margins of both meshes.
 struct qcBatchObject
 {
@@ -60,7 +63,7 @@ struct qcBatchObject
     btScalar edgeLength = 0;         ///< estimate, of its finest mesh
     btScalar pairDistance = 0;       ///< half of the largest contact distance of its pairs
     btScalar maxClosing = 0;         ///< upper bound of its motion in a step relative to the mean motion
-    btScalar lead = 0;               ///< see qcMaxRecession
+    btScalar lead = 0;               ///< of a kinematic body: how far Bullet has moved it ahead of the step
     qcObjectState state;             ///< at the last check
     uint64_t checked = 0;            ///< number of the last check of the object (qcBatchValidity)
     bool isChanged = false;          ///< result of that check: nothing that is known of its pairs holds

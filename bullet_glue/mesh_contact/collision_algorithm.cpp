@@ -90,10 +90,11 @@ void ApplyMargins(btScalar marginA, btScalar marginB, std::vector<qcMeshPoint>* 
 void ReturnReceding(const btCollisionObject* object0, const btCollisionObject* object1, btScalar timeStep,
                     std::vector<qcMeshPoint>* points)
 {
+    const btScalar limit = qcMaxLead * gContactBreakingThreshold;
     for (qcMeshPoint& point : *points)
     {
-        const btScalar travel0 = qcRecession(object0, point.onA, point.normal, timeStep);
-        const btScalar travel1 = qcRecession(object1, point.onB, -point.normal, timeStep);
+        const btScalar travel0 = qcRecession(object0, point.onA, point.normal, timeStep, limit);
+        const btScalar travel1 = qcRecession(object1, point.onB, -point.normal, timeStep, limit);
         point.onA -= point.normal * travel0;
         point.onB += point.normal * travel1;
         point.distance -= travel0 + travel1;
@@ -355,7 +356,9 @@ void qcPointsAlgorithm::processCollision(const btCollisionObjectWrapper* body0, 
     }
     BT_PROFILE("qcMeshContact manifolds");
     contactDistance = std::min(contactDistance, BreakingThreshold(m_dispatcher, *body0, *body1));
-    ReturnReceding(object0, object1, dispatchInfo.m_timeStep, &points);
+    // A parent's algorithm leaves out children whose boxes are that far apart.
+    if (!m_isShared)
+        ReturnReceding(object0, object1, dispatchInfo.m_timeStep, &points);
     // The threshold of a parent's manifold can't be raised to that of speculative contacts.
     RemoveDistant(object0, object1, contactDistance, m_isShared ? 0 : dispatchInfo.m_timeStep, &points);
     UpdateManifolds(&points, contactDistance, *body0, *body1, result);

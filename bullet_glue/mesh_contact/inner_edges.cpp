@@ -1,8 +1,6 @@
 // Contact points at inner edges: left out, or straightened.
 #include "mesh_contact/inner_edges.h"
 
-#include "mesh_contact/rigid_motion.h"
-
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
 
@@ -61,12 +59,10 @@ struct NearerTriangle : btTriangleCallback
 };
 } // namespace
 
-qcInnerEdgeFilter::qcInnerEdgeFilter(const qcMeshShape& mesh, btScalar growth, const btCollisionObjectWrapper& meshBody,
-                                     const btCollisionObjectWrapper& convexBody, btScalar timeStep,
+qcInnerEdgeFilter::qcInnerEdgeFilter(const qcMeshShape& mesh, const btTransform& place, const btVector3& center,
                                      btManifoldResult* result)
-    : btManifoldResult(result->getBody0Wrap(), result->getBody1Wrap()), m_mesh(mesh),
-      m_place(meshBody.getWorldTransform()), m_center(m_place.invXform(convexBody.getWorldTransform().getOrigin())),
-      m_convexObject(convexBody.getCollisionObject()), m_growth(growth), m_timeStep(timeStep), m_result(result)
+    : btManifoldResult(result->getBody0Wrap(), result->getBody1Wrap()), m_mesh(mesh), m_place(place),
+      m_center(place.invXform(center)), m_result(result)
 {
     m_closestPointDistanceThreshold = result->m_closestPointDistanceThreshold;
     m_manifoldPtr = result->getPersistentManifold();
@@ -102,11 +98,9 @@ btVector3 qcInnerEdgeFilter::NearerNormal(const btVector3 corners[3], const btVe
     return side < 0 ? -nearer.normal : nearer.normal;
 }
 
-void qcInnerEdgeFilter::addContactPoint(const btVector3& normal, const btVector3& grownPoint, btScalar grownDistance)
+void qcInnerEdgeFilter::addContactPoint(const btVector3& normal, const btVector3& point, btScalar distance)
 {
     btVector3 passed = normal;
-    const btVector3 point = grownPoint - normal * m_growth;
-    const btScalar distance = grownDistance + m_growth;
     // A large depth along one normal is no measure of the depth along another one.
     const bool isDeep = distance < -m_manifoldPtr->getContactBreakingThreshold();
     if (m_triangle >= 0 && uint32_t(m_triangle) < m_mesh.getTriangleCount() && !isDeep)
@@ -128,13 +122,12 @@ void qcInnerEdgeFilter::addContactPoint(const btVector3& normal, const btVector3
             passed = m_place.getBasis() * nearer;
         }
     }
-    const btScalar receded = qcRecession(m_convexObject, point, passed, m_timeStep);
     // Callbacks see what Bullet's algorithm has set.
     const btCollisionObjectWrapper *body0 = m_result->getBody0Wrap(), *body1 = m_result->getBody1Wrap();
     m_result->setPersistentManifold(m_manifoldPtr);
     m_result->setBody0Wrap(getBody0Wrap());
     m_result->setBody1Wrap(getBody1Wrap());
-    m_result->addContactPoint(passed, point + passed * receded, distance - receded);
+    m_result->addContactPoint(passed, point, distance);
     m_result->setBody0Wrap(body0);
     m_result->setBody1Wrap(body1);
 }

@@ -12,15 +12,13 @@
 
 /// Passes the points of a convex shape and a mesh on to Bullet's result, except those at inner edges from which the
 /// mesh leads nearer to the convex shape: points with a gap are left out, since another triangle has a nearer point;
-/// where the shape has sunk in by no more than the contact breaking threshold, they get that triangle's normal. Points
-/// on receding kinematic convex shapes are returned to where they are at the start of the step.
+/// where the shape has sunk in by no more than the contact breaking threshold, they get that triangle's normal.
 class qcInnerEdgeFilter : public btManifoldResult
 {
   public:
-    /// The arguments are needed as long as the filter. `growth`: by which the mesh has a larger margin for Bullet's
-    /// algorithm.
-    qcInnerEdgeFilter(const qcMeshShape& mesh, btScalar growth, const btCollisionObjectWrapper& meshBody,
-                      const btCollisionObjectWrapper& convexBody, btScalar timeStep, btManifoldResult* result);
+    /// `place`: of the mesh; `center`: of the convex shape. The others are needed as long as the filter.
+    qcInnerEdgeFilter(const qcMeshShape& mesh, const btTransform& place, const btVector3& center,
+                      btManifoldResult* result);
     /// Hands over the manifold that Bullet's algorithm has filled.
     ~qcInnerEdgeFilter() override;
     qcInnerEdgeFilter(const qcInnerEdgeFilter&) = delete;
@@ -36,10 +34,8 @@ class qcInnerEdgeFilter : public btManifoldResult
                            btScalar size) const;
 
     const qcMeshShape& m_mesh;
-    const btTransform& m_place; ///< of the mesh
-    const btVector3 m_center;   ///< in the frame of the mesh
-    const btCollisionObject* m_convexObject;
-    const btScalar m_growth, m_timeStep;
+    const btTransform& m_place;
+    const btVector3 m_center; ///< in the frame of the mesh
     btManifoldResult* m_result;
     int m_triangle = -1; ///< that Bullet's algorithm is at
 };

@@ -18,17 +18,12 @@ qcRigidMotion::qcRigidMotion(const btCollisionObject* object) : centre(object->g
 }
 
 btScalar qcRecession(const btCollisionObject* object, const btVector3& point, const btVector3& direction,
-                     btScalar timeStep)
+                     btScalar timeStep, btScalar limit)
 {
     if (!object->isKinematicObject())
         return 0;
-    return std::max(qcRigidMotion(object).VelocityAt(point).dot(direction) * timeStep, btScalar(0));
-}
-
-btScalar qcMaxRecession(const btCollisionObject* object, btScalar timeStep, btScalar limit)
-{
-    return object->isKinematicObject() ? std::min(qcRigidMotion(object).linear.length() * timeStep, limit)
-                                       : btScalar(0);
+    const btScalar travel = qcRigidMotion(object).VelocityAt(point).dot(direction) * timeStep;
+    return travel > 0 && travel <= limit ? travel : btScalar(0);
 }
 
 btScalar qcDisplacementBound(const btTransform& from, const btTransform& to, btScalar radius)

@@ -7,10 +7,6 @@
 /// Upper bound of the length of a chain of bodies that stop each other in a step.
 constexpr int qcMaxStops = 16;
 
-/// How far contact is searched for on receding kinematic bodies, in contact breaking thresholds: what falls behind
-/// further touches them later.
-constexpr btScalar qcMaxLead = 4;
-
 /// Velocities of the points of a rigid body.
 struct qcRigidMotion
 {
@@ -33,14 +29,11 @@ struct qcRigidMotion
     }
 };
 
-/// How far a point of a kinematic body recedes along a direction in the step; 0 for other objects. Bullet has moved
-/// such a body already, and its solver moves it once more by its velocity: what lies on it would be in equilibrium that
-/// much deeper.
+/// How far a point of a kinematic body recedes along a direction in the step; 0 for other objects, and beyond `limit`:
+/// what is further away falls, or the body was put elsewhere. Bullet has moved such a body already, and its solver
+/// moves it once more by its velocity: what lies on it would be in equilibrium that much deeper.
 btScalar qcRecession(const btCollisionObject* object, const btVector3& point, const btVector3& direction,
-                     btScalar timeStep);
-
-/// Upper bound of qcRecession for the points of an object that does not turn; at most `limit`.
-btScalar qcMaxRecession(const btCollisionObject* object, btScalar timeStep, btScalar limit);
+                     btScalar timeStep, btScalar limit);
 
 /// Upper bound of the displacement between two transforms of points at most `radius` from the body's origin.
 btScalar qcDisplacementBound(const btTransform& from, const btTransform& to, btScalar radius);
