@@ -1,6 +1,9 @@
 // A node passes the force on it to a contact on its other side in which it is a side of its own. Where that is a
 // contact with a soft body, the nodes of the other side pass it on in turn, each its weight.
 //
+// Where its two normals are not opposite, as in a wedge, a node yields; it is left to the sweeps over the contacts,
+// since a force on heavy bodies would throw it.
+//
 // Bodies divide their masses among their active chains (Tonge, Benevolenski, Voroshilov: Mass Splitting for Jitter-Free
 // Parallel Rigid Body Simulation, 2012): the force is spread evenly, as friction needs it.
 #include "soft_body/response/force_chains.h"
@@ -15,28 +18,26 @@ constexpr btScalar s_minOpposition = btScalar(0.9);
 // Longer chains are left to the sweeps over their contacts.
 constexpr size_t s_maxChainMembers = 64;
 constexpr int s_chainIterations = 4;
+// Bodies that yield less than the nodes of their contacts by this factor have chains: with fewer, eight sweeps do.
+constexpr btScalar s_heavy = 30;
 // Chains that miss less than this share of their distance are satisfied.
 constexpr btScalar s_chainTolerance = btScalar(1e-4);
-// Forces on a node that are less than this share of the chain's cancel out.
-constexpr btScalar s_minForce = btScalar(1e-5);
 
-/// True if sweeps over the contact converge slowly: its rigid body yields less than the nodes.
+/// True if sweeps over the contact converge slowly: its rigid body yields far less than the nodes.
 bool IsHeavy(const qcSoftConstraint& constraint)
 {
     return constraint.rigid != nullptr && constraint.rigid->CanMove() && !constraint.isTangled &&
-           constraint.rigid->DisplacementAt(constraint.arm, constraint.normal).dot(constraint.normal) <
+           s_heavy * constraint.rigid->DisplacementAt(constraint.arm, constraint.normal).dot(constraint.normal) <
                constraint.inverseEffectiveMass;
 }
 } // namespace
 
-//  ---- finding the chains
-//  ----------------------------------------------------------------------------------------------
+//  ---- finding the chains ------------------------------------------------------------------------------------------
 
 void qcForceChains::Clear()
 {
     m_chains.clear();
     m_members.clear();
-    m_nodes.clear();
     m_supports.clear();
     m_bodies.clear();
     m_activeCounts.clear();
@@ -92,16 +93,20 @@ void qcForceChains::AddLoads(const qcSoftConstraint& constraint, btScalar share,
             m_loads.emplace_back(constraint.position[i], share * btFabs(constraint.weight[i]));
 }
 
-void qcForceChains::AddNode(const qcSoftConstraint& constraint, int node, btScalar share)
+/// Adds the member's forces on its nodes to those of the chain.
+void qcForceChains::AddForces(const qcSoftConstraint& constraint, btScalar share)
 {
-    const btVector3 force = share * constraint.weight[node] * constraint.normal;
-    btVector3* position = constraint.position[node];
-    auto found = std::find_if(m_nodes.begin() + std::ptrdiff_t(m_chains.back().firstNode), m_nodes.end(),
-                              [position](const Node& other) { return other.position == position; });
-    if (found == m_nodes.end())
-        m_nodes.push_back({position, constraint.inverseMass[node], force, 0});
-    else
-        found->force += force;
+    for (int i = 0; i < constraint.nodeCount; i++)
+    {
+        const btVector3 force = share * constraint.weight[i] * constraint.normal;
+        auto found =
+            std::find_if(m_forces.begin(), m_forces.end(),
+                         [&constraint, i](const NodeForce& other) { return other.node == constraint.position[i]; });
+        if (found == m_forces.end())
+            m_forces.push_back({constraint.position[i], constraint.inverseMass[i], force});
+        else
+            found->force += force;
+    }
 }
 
 void qcForceChains::AddMember(const qcSoftConstraint& constraint, const Member& member)
@@ -112,9 +117,7 @@ void qcForceChains::AddMember(const qcSoftConstraint& constraint, const Member& 
         m_members.push_back(member);
     else
         found->share += member.share;
-    for (int i = 0; i < constraint.nodeCount; i++)
-        if (constraint.inverseMass[i] > 0)
-            AddNode(constraint, i, member.share);
+    AddForces(constraint, member.share);
 }
 
 /// Follows the force of the last chain's first constraint through soft bodies. False: a node has no support.
@@ -122,6 +125,7 @@ bool qcForceChains::Follow(const std::vector<qcSoftConstraint>& constraints, siz
 {
     const qcSoftConstraint& head = constraints[first];
     Chain& chain = m_chains.back();
+    m_forces.clear();
     AddMember(head, {first, 1, 1, BodyOf(head.rigid)});
     m_loads.clear();
     AddLoads(head, 1, 1);
@@ -146,7 +150,6 @@ void qcForceChains::AddChain(const std::vector<qcSoftConstraint>& constraints, s
 {
     Chain chain;
     chain.firstMember = m_members.size();
-    chain.firstNode = m_nodes.size();
     chain.normal = constraints[first].normal;
     chain.friction = constraints[first].friction;
     m_chains.push_back(chain);
@@ -154,16 +157,11 @@ void qcForceChains::AddChain(const std::vector<qcSoftConstraint>& constraints, s
     {
         m_chains.pop_back();
         m_members.erase(m_members.begin() + std::ptrdiff_t(chain.firstMember), m_members.end());
-        m_nodes.erase(m_nodes.begin() + std::ptrdiff_t(chain.firstNode), m_nodes.end());
         return;
     }
-    m_nodes.erase(std::remove_if(m_nodes.begin() + std::ptrdiff_t(chain.firstNode), m_nodes.end(),
-                                 [](const Node& node) { return node.force.length() < s_minForce; }),
-                  m_nodes.end());
-    for (size_t n = chain.firstNode; n < m_nodes.size(); n++)
-        m_nodes[n].body = BodyOf(m_nodes[n].position);
     m_chains.back().memberEnd = m_members.size();
-    m_chains.back().nodeEnd = m_nodes.size();
+    for (const NodeForce& force : m_forces)
+        m_chains.back().nodeYield += force.inverseMass * force.force.length2();
 }
 
 void qcForceChains::Find(const std::vector<qcSoftConstraint>& constraints)
@@ -179,8 +177,7 @@ void qcForceChains::Find(const std::vector<qcSoftConstraint>& constraints)
     }
 }
 
-//  ---- solving
-//  ---------------------------------------------------------------------------------------------------------
+//  ---- solving -----------------------------------------------------------------------------------------------------
 
 void qcForceChains::Begin()
 {
@@ -191,32 +188,26 @@ void qcForceChains::Begin()
     }
 }
 
-/// Calls function(index) for each body of the chain.
-template <typename Function> void qcForceChains::ForEachBody(const Chain& chain, const Function& function) const
-{
-    for (size_t m = chain.firstMember; m < chain.memberEnd; m++)
-        function(m_members[m].body);
-    for (size_t n = chain.firstNode; n < chain.nodeEnd; n++)
-        function(m_nodes[n].body);
-}
-
 void qcForceChains::Measure(const std::vector<qcSoftConstraint>& constraints, Chain* chain) const
 {
     btScalar distance = 0;
-    btVector3 motion(0, 0, 0);
     chain->missing = 0;
     for (size_t m = chain->firstMember; m < chain->memberEnd; m++)
     {
         const qcSoftConstraint& constraint = constraints[m_members[m].constraint];
         const btVector3 offset = qcOffsetOf(constraint);
-        const btScalar share = m_members[m].share;
-        chain->missing += share * (constraint.distance - constraint.normal.dot(offset));
-        distance += share * constraint.distance;
-        motion += m_members[m].sign * share * (offset - constraint.startOffset);
+        chain->missing += m_members[m].share * (constraint.distance - constraint.normal.dot(offset));
+        distance += m_members[m].share * constraint.distance;
+        if (m > chain->firstMember)
+            continue;
+        const btVector3 motion = offset - constraint.startOffset;
+        chain->sliding = motion - chain->normal * chain->normal.dot(motion);
     }
-    chain->sliding = motion - chain->normal * chain->normal.dot(motion);
-    chain->isActive = chain->missing > s_chainTolerance * distance ||
-                      (chain->pushed > 0 && chain->missing < -s_chainTolerance * distance);
+    const btScalar tolerance = s_chainTolerance * distance;
+    const bool isHeld = chain->sliding.length() <= tolerance ||
+                        (chain->rubbed.dot(chain->sliding) > 0 &&
+                         chain->rubbed.length() >= (1 - s_chainTolerance) * chain->friction * chain->pushed);
+    chain->isActive = chain->missing > tolerance || (chain->pushed > 0 && (chain->missing < -tolerance || !isHeld));
 }
 
 /// Measures the chains, and counts the active ones of each body. False: none is active.
@@ -227,31 +218,14 @@ bool qcForceChains::MeasureAll(const std::vector<qcSoftConstraint>& constraints)
     for (Chain& chain : m_chains)
     {
         Measure(constraints, &chain);
-        if (chain.isActive)
-            ForEachBody(chain, [this](size_t body) { m_activeCounts[body]++; });
+        for (size_t m = chain.firstMember; chain.isActive && m < chain.memberEnd; m++)
+            m_activeCounts[m_members[m].body]++;
         any = any || chain.isActive;
     }
     return any;
 }
 
-/// How far a unit of the chain's force moves its sides apart, times the time step.
-btScalar qcForceChains::YieldAlongNormal(const std::vector<qcSoftConstraint>& constraints, const Chain& chain) const
-{
-    btScalar yield = 0;
-    for (size_t m = chain.firstMember; m < chain.memberEnd; m++)
-    {
-        const qcSoftConstraint& constraint = constraints[m_members[m].constraint];
-        const btVector3 push = constraint.normal * m_members[m].share;
-        if (constraint.rigid != nullptr)
-            yield += btScalar(m_activeCounts[m_members[m].body]) *
-                     constraint.rigid->DisplacementAt(constraint.arm, push).dot(push);
-    }
-    for (size_t n = chain.firstNode; n < chain.nodeEnd; n++)
-        yield += btScalar(m_activeCounts[m_nodes[n].body]) * m_nodes[n].inverseMass * m_nodes[n].force.length2();
-    return yield;
-}
-
-/// Likewise for a force of friction: it acts on the rigid bodies alone.
+/// How far a unit force along a direction moves the rigid bodies apart, times the time step.
 btScalar qcForceChains::YieldAlong(const std::vector<qcSoftConstraint>& constraints, const Chain& chain,
                                    const btVector3& direction) const
 {
@@ -268,15 +242,18 @@ btScalar qcForceChains::YieldAlong(const std::vector<qcSoftConstraint>& constrai
     return yield;
 }
 
-/// Finds the next push and friction, and leaves its members the friction that it doesn't use.
+/// Finds the next push, and the friction of the first body with its nodes, which they pass on; gives the members the
+/// load for the friction of their nodes.
 void qcForceChains::Respond(std::vector<qcSoftConstraint>* constraints, Chain* chain) const
 {
-    const btScalar yield = YieldAlongNormal(*constraints, *chain),
-                   yieldAside = YieldAlong(*constraints, *chain, chain->sliding);
+    const btScalar ofBodies = YieldAlong(*constraints, *chain, chain->normal);
+    const btScalar yieldAside = YieldAlong(*constraints, *chain, chain->sliding);
     chain->push = 0;
     chain->rub.setZero();
-    if (yield <= 0)
+    // Guided bodies may yield elsewhere only.
+    if (ofBodies <= 0)
         return;
+    const btScalar yield = ofBodies + chain->nodeYield;
     const btScalar pushed = std::max(btScalar(0), chain->pushed + chain->missing / yield);
     btVector3 rubbed = chain->rubbed;
     if (yieldAside > 0)
@@ -284,7 +261,8 @@ void qcForceChains::Respond(std::vector<qcSoftConstraint>* constraints, Chain* c
     const btScalar length = rubbed.length(), largest = chain->friction * pushed;
     if (length > largest)
         rubbed *= largest / length;
-    const btScalar rubbedMore = rubbed.length() - chain->rubbed.length();
+    // The friction of the first contact's nodes acts on the first body, too.
+    const btScalar more = rubbed.length() - chain->rubbed.length();
     chain->push = pushed - chain->pushed;
     chain->rub = rubbed - chain->rubbed;
     chain->pushed = pushed;
@@ -292,22 +270,22 @@ void qcForceChains::Respond(std::vector<qcSoftConstraint>* constraints, Chain* c
     for (size_t m = chain->firstMember; m < chain->memberEnd; m++)
     {
         qcSoftConstraint& constraint = (*constraints)[m_members[m].constraint];
-        const btScalar more = constraint.friction * chain->push - rubbedMore;
-        constraint.spareFriction = std::max(btScalar(0), constraint.spareFriction + m_members[m].share * more);
+        const btScalar left =
+            m_members[m].share * constraint.friction * chain->push - (m == chain->firstMember ? more : btScalar(0));
+        constraint.chainFriction = std::max(btScalar(0), constraint.chainFriction + left);
     }
 }
 
+/// All forces are along one line, so that momentum is kept.
 void qcForceChains::Push(const std::vector<qcSoftConstraint>& constraints, const Chain& chain)
 {
+    const btVector3 push = chain.push * chain.normal - chain.rub;
     for (size_t m = chain.firstMember; m < chain.memberEnd; m++)
     {
         const qcSoftConstraint& constraint = constraints[m_members[m].constraint];
-        const btVector3 push = chain.push * constraint.normal - m_members[m].sign * chain.rub;
         if (constraint.rigid != nullptr)
-            constraint.rigid->Push(constraint.arm, -m_members[m].share * push);
+            constraint.rigid->Push(constraint.arm, -m_members[m].sign * m_members[m].share * push);
     }
-    for (size_t n = chain.firstNode; n < chain.nodeEnd; n++)
-        *m_nodes[n].position += m_nodes[n].inverseMass * chain.push * m_nodes[n].force;
 }
 
 bool qcForceChains::Solve(std::vector<qcSoftConstraint>* constraints)

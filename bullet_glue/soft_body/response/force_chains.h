@@ -2,7 +2,7 @@
 //
 // Sweeps over contacts converge the more slowly, the heavier a rigid body is than the nodes that it presses on: a push
 // moves the nodes, and only the next sweep brings them on what is behind them. The sum of the constraints along a chain
-// is implied by them. In it the nodes cancel out where all normals are parallel: it acts on the rigid bodies alone.
+// is implied by them. In it the nodes cancel out where all normals are parallel: it acts on the rigid bodies.
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_FORCE_CHAINS_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_FORCE_CHAINS_H
 
@@ -31,20 +31,20 @@ class qcForceChains
         btScalar sign; ///< -1: its offset runs against the chain's
         size_t body;   ///< of its rigid object: index in m_activeCounts
     };
-    /// A node on which the forces of the chain's members do not cancel out.
-    struct Node
+    /// The sum of the members' forces on a node, for a unit of the chain's force.
+    struct NodeForce
     {
-        btVector3* position;
+        const btVector3* node;
         btScalar inverseMass;
-        btVector3 force; ///< for a unit of the chain's force
-        size_t body;     ///< index in m_activeCounts
+        btVector3 force;
     };
     struct Chain
     {
-        size_t firstMember, memberEnd, firstNode, nodeEnd;
+        size_t firstMember, memberEnd;
         btVector3 normal; ///< from the first object to the others
         btScalar friction;
-        btVector3 sliding{0, 0, 0}; ///< of the others along the first one since the start of the step
+        btScalar nodeYield = 0;     ///< how far a unit of force moves nodes on which it does not cancel out
+        btVector3 sliding{0, 0, 0}; ///< of the first contact's nodes over the first object since the start of the step
         btScalar missing = 0;       ///< of the sum of the members' distances
         btScalar pushed = 0;        ///< impulse along the normal so far, times the time step
         btVector3 rubbed{0, 0, 0};  ///< likewise, of friction, on the first object
@@ -66,13 +66,11 @@ class qcForceChains
     size_t BodyOf(const void* body);
     void AddLoads(const qcSoftConstraint& constraint, btScalar share, btScalar side);
     void AddMember(const qcSoftConstraint& constraint, const Member& member);
-    void AddNode(const qcSoftConstraint& constraint, int node, btScalar share);
+    void AddForces(const qcSoftConstraint& constraint, btScalar share);
     bool Follow(const std::vector<qcSoftConstraint>& constraints, size_t first);
     void AddChain(const std::vector<qcSoftConstraint>& constraints, size_t first);
-    template <typename Function> void ForEachBody(const Chain& chain, const Function& function) const;
     void Measure(const std::vector<qcSoftConstraint>& constraints, Chain* chain) const;
     bool MeasureAll(const std::vector<qcSoftConstraint>& constraints);
-    btScalar YieldAlongNormal(const std::vector<qcSoftConstraint>& constraints, const Chain& chain) const;
     btScalar YieldAlong(const std::vector<qcSoftConstraint>& constraints, const Chain& chain,
                         const btVector3& direction) const;
     void Respond(std::vector<qcSoftConstraint>* constraints, Chain* chain) const;
@@ -80,9 +78,9 @@ class qcForceChains
 
     std::vector<Chain> m_chains;
     std::vector<Member> m_members;
-    std::vector<Node> m_nodes;
+    std::vector<NodeForce> m_forces;                            ///< of the chain that is being followed
     std::vector<Support> m_supports;                            ///< in the order of their nodes
-    std::unordered_map<const void*, size_t> m_bodies;           ///< rigid objects and nodes
+    std::unordered_map<const void*, size_t> m_bodies;           ///< rigid objects
     std::vector<int> m_activeCounts;                            ///< by body: its active chains
     std::vector<std::pair<const btVector3*, btScalar>> m_loads; ///< nodes to be supported, with their shares
 };

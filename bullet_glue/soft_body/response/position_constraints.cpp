@@ -66,19 +66,19 @@ void Push(const qcSoftConstraint& constraint, const btVector3& missing)
         constraint.rigid->Push(constraint.arm, -missing / yield);
 }
 
-/// How far friction moves the sides at most: its impulse is the coefficient times that of the push, and what chains
-/// leave. A rigid body may yield along the surface by another amount than along the normal.
+/// How far friction moves the sides at most: its impulse is the coefficient times that of the push and of chains. A
+/// rigid body may yield along the surface by another amount than along the normal.
 btScalar MaxFriction(const qcSoftConstraint& constraint, const btVector3& sliding)
 {
     const btScalar ofPush = constraint.friction * constraint.pushed;
     const bool yieldsEvenly = constraint.rigid == nullptr || !constraint.rigid->CanMove();
-    if (yieldsEvenly && constraint.spareFriction <= 0)
+    if (yieldsEvenly && constraint.chainFriction <= 0)
         return ofPush;
-    const btScalar aside = YieldAlong(constraint, sliding), spare = constraint.spareFriction * aside;
+    const btScalar aside = YieldAlong(constraint, sliding), ofChains = constraint.chainFriction * aside;
     if (yieldsEvenly)
-        return ofPush + spare;
+        return ofPush + ofChains;
     const btScalar yield = YieldAlong(constraint, constraint.normal);
-    return yield > 0 ? ofPush * aside / yield + spare : btScalar(0);
+    return yield > 0 ? ofPush * aside / yield + ofChains : btScalar(0);
 }
 
 /// False: it was satisfied, and nothing has moved.
@@ -91,23 +91,26 @@ bool Solve(qcSoftConstraint& constraint)
     constraint.pushed = previous + missing;
     if (constraint.pushed <= 0)
         constraint.pushed = 0;
-    if (constraint.pushed == previous && constraint.spareFriction <= 0)
+    const bool isPushed = constraint.pushed != previous;
+    if (!isPushed && constraint.chainFriction <= 0)
         return false;
     Push(constraint, constraint.normal * (constraint.pushed - previous));
     // Coulomb friction takes back sliding since the start.
     btVector3 motion = offset - constraint.startOffset;
     btVector3 sliding = motion - constraint.normal * constraint.normal.dot(motion);
-    if (sliding.length() <= SIMD_EPSILON)
-        return true;
-    btVector3 taken = previousTaken + sliding;
-    const btScalar length = taken.length(), largest = MaxFriction(constraint, taken);
-    if (length > largest)
-        taken *= largest / length;
-    Push(constraint, previousTaken - taken);
-    constraint.taken = taken;
+    btVector3 taken = previousTaken;
+    if (sliding.length() > SIMD_EPSILON)
+    {
+        taken += sliding;
+        const btScalar length = taken.length(), largest = MaxFriction(constraint, taken);
+        if (length > largest)
+            taken *= largest / length;
+        Push(constraint, previousTaken - taken);
+        constraint.taken = taken;
+    }
     if (!constraint.accumulates)
-        constraint.spareFriction = 0;
-    return true;
+        constraint.chainFriction = 0;
+    return isPushed || taken != previousTaken;
 }
 
 /// Sets normal and distance so that each side stays on its side of the other, as at the start of the step. `atOnce`: at
@@ -321,7 +324,7 @@ void qcSolveSoftConstraints(std::vector<qcSoftConstraint>* constraints, qcForceC
     chains->Begin();
     for (qcSoftConstraint& constraint : *constraints)
     {
-        constraint.spareFriction = 0;
+        constraint.chainFriction = 0;
         if (constraint.rigid != nullptr)
             ReadPoint(&constraint);
     }

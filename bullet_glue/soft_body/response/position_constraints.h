@@ -60,8 +60,8 @@ struct qcSoftConstraint
     bool accumulates = false;
     btScalar pushed = 0;      ///< along the normal so far
     btVector3 taken{0, 0, 0}; ///< sliding that friction has taken back so far
-    /// Friction that force chains through this contact leave to it: an impulse times the time step.
-    btScalar spareFriction = 0;
+    /// Friction by the load of force chains through this contact: an impulse times the time step.
+    btScalar chainFriction = 0;
 };
 
 class qcForceChains;
