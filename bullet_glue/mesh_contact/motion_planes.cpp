@@ -20,7 +20,7 @@ constexpr btScalar s_rounding = 16 * SIMD_EPSILON;
 struct Extreme
 {
     btScalar height = BT_LARGE_FLOAT; ///< along the direction
-    btVector3 arm;                    ///< from the object's centre
+    btVector3 arm{0, 0, 0};           ///< from the object's centre
 
     Extreme(const qcMotionPlaneSide& side, const btVector3& direction)
     {
@@ -129,8 +129,6 @@ void SolvePlane(qcMotionPlane* plane)
     Push(plane->above.swept, above, lack / inverseMass, lowest.arm, plane->normal);
     Push(plane->below.swept, below, lack / inverseMass, highest.arm, -plane->normal);
     plane->pushed += lack / inverseMass;
-    plane->arms[0] = lowest.arm;
-    plane->arms[1] = highest.arm;
 }
 
 /// Upper bound of the coordinates of two objects at their ends.
@@ -157,7 +155,32 @@ void ApplyImpulse(const qcSweptObject& swept, const qcSweptObject& other, const 
         swept.multibody->ApplyImpulse(swept, arm, impulse, other.IsSwept());
 }
 
-/// The speed at which the points of the last push close in on each other.
+/// The points of both sides that are nearest to each other at the ends, or the corners of whole hulls that are furthest
+/// against the plane: where the sides meet is between them.
+btVector3 MeetingPointOf(const qcMotionPlane& plane)
+{
+    const qcMotionPlaneSide &above = plane.above, &below = plane.below;
+    const Extreme lowest(above, plane.normal), highest(below, -plane.normal);
+    btVector3 points[2] = {above.swept->end.getOrigin() + lowest.arm, below.swept->end.getOrigin() + highest.arm};
+    if (!above.isWhole && !below.isWhole)
+    {
+        double corners[2][9];
+        for (int i = 0; i < 9; i++)
+        {
+            corners[0][i] = double((above.swept->end * above.corners[i / 3])[i % 3]);
+            corners[1][i] = double((below.swept->end * below.corners[i / 3])[i % 3]);
+        }
+        qcProximity nearest;
+        if (qcTrianglesWithin(corners[0], corners[1], double(BT_LARGE_FLOAT), &nearest))
+        {
+            points[0] = qcVectorOf(nearest.pointA);
+            points[1] = qcVectorOf(nearest.pointB);
+        }
+    }
+    return (points[0] + points[1]) / 2;
+}
+
+/// The speed at which the sides close in on each other where they meet.
 btScalar ClosingSpeedOf(const qcMotionPlane& plane)
 {
     return plane.normal.dot(VelocityAt(*plane.below.swept, plane.arms[1]) -
@@ -255,6 +278,10 @@ void qcMotionPlanes::StopAll(int sweeps, btScalar slowest)
 {
     for (qcMotionPlane* plane : m_stopped)
     {
+        // One point for both: impulses on two points that are apart would change the angular momentum.
+        const btVector3 point = MeetingPointOf(*plane);
+        plane->arms[0] = point - plane->above.swept->end.getOrigin();
+        plane->arms[1] = point - plane->below.swept->end.getOrigin();
         plane->approach = ClosingSpeedOf(*plane);
         plane->restitution = plane->approach >= slowest ? RestitutionOf(*plane) : btScalar(0);
     }

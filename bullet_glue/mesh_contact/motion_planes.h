@@ -36,7 +36,7 @@ struct qcMotionPlane
     btVector3 normal;         ///< unit, from below to above
     btScalar gap;             ///< required distance along the normal, of the two triangles or hulls
     btScalar pushed;          ///< sum of impulses so far, times the time step
-    btVector3 arms[2];        ///< of the last push, from the centres of above and below
+    btVector3 arms[2];        ///< of where the sides meet, from the centres of above and below
     btScalar approach = 0;    ///< speed along the normal before impulses
     btScalar restitution = 0; ///< 0 if it was too slow to bounce
     btScalar stopping = 0;    ///< impulse that removes the approach, so far
