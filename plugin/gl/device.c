@@ -187,7 +187,13 @@ static qcStatus RunJob(qcDevice* device, bool* lost)
     // Before the job's status: results of a lost context are meaningless.
     if (*lost)
         return FailLost(device->purpose);
-    // The job's status comes before GL's error: it is closer to the cause.
+    // The job's status comes before GL's error: it is mostly closer to the cause.
+    if (status != qc_statusOk && first != GL_NO_ERROR)
+    {
+        char message[256];
+        snprintf(message, sizeof message, "%s", qcLastMessage());
+        return qcFail(status, "%s; GL reports %s (0x%x)", message, qcGl_ErrorName(first), first);
+    }
     if (status != qc_statusOk)
         return status;
     if (first != GL_NO_ERROR)
