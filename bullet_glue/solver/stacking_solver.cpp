@@ -17,26 +17,33 @@ constexpr btScalar s_converged = btScalar(0.05);
 /// One of the two sides of a row.
 struct Side
 {
-    const btVector3 &normal, &turn, &angular;
+    const btVector3 *normal, *turn, *angular;
 
     static Side First(const btSolverConstraint& row)
     {
-        return {row.m_contactNormal1, row.m_relpos1CrossNormal, row.m_angularComponentA};
+        return {&row.m_contactNormal1, &row.m_relpos1CrossNormal, &row.m_angularComponentA};
     }
     static Side Second(const btSolverConstraint& row)
     {
-        return {row.m_contactNormal2, row.m_relpos2CrossNormal, row.m_angularComponentB};
+        return {&row.m_contactNormal2, &row.m_relpos2CrossNormal, &row.m_angularComponentB};
     }
 
     btScalar Along(const btVector3& linear, const btVector3& rotation) const
     {
-        return normal.dot(linear) + turn.dot(rotation);
+        return normal->dot(linear) + turn->dot(rotation);
     }
     btScalar InverseMass(const btSolverBody& body) const
     {
-        return normal.dot(normal * body.internalGetInvMass()) + turn.dot(angular);
+        return normal->dot(*normal * body.internalGetInvMass()) + turn->dot(*angular);
     }
 };
+
+/// Speed of a body's contact point before the impulses of the step, after the step's forces.
+btScalar StartSpeed(const Side& side, const btSolverBody& body)
+{
+    return side.Along(body.m_linearVelocity + body.m_externalForceImpulse,
+                      body.m_angularVelocity + body.m_externalTorqueImpulse);
+}
 
 /// Speed of a body's contact point that the impulses of the step have added.
 btScalar AddedSpeed(const Side& side, btSolverBody& body)
@@ -53,6 +60,8 @@ btScalar ExcessSpeed(const btSolverConstraint& row, btSolverBody& first, btSolve
 /// Velocities.
 struct Impulses
 {
+    static constexpr bool hasFriction = true;
+
     static btScalar Speed(const Side& side, btSolverBody& body)
     {
         return AddedSpeed(side, body);
@@ -65,20 +74,19 @@ struct Impulses
     /// standing still there: it does not throw it, so that kinetic energy does not rise.
     static btScalar OtherSpeed(const Side& side, btSolverBody& other)
     {
-        const btScalar own = side.Along(other.m_linearVelocity + other.m_externalForceImpulse,
-                                        other.m_angularVelocity + other.m_externalTorqueImpulse);
-        const btScalar added = AddedSpeed(side, other);
-        return std::max(added, -own);
+        return std::max(AddedSpeed(side, other), -StartSpeed(side, other));
     }
     static void Apply(const Side& side, btScalar impulse, btSolverBody* body)
     {
-        body->internalApplyImpulse(side.normal * body->internalGetInvMass(), side.angular, impulse);
+        body->internalApplyImpulse(*side.normal * body->internalGetInvMass(), *side.angular, impulse);
     }
 };
 
 /// Displacements by split impulses, over the time step.
 struct SplitImpulses
 {
+    static constexpr bool hasFriction = false;
+
     static btScalar Speed(const Side& side, btSolverBody& body)
     {
         return side.Along(body.internalGetPushVelocity(), body.internalGetTurnVelocity());
@@ -94,9 +102,30 @@ struct SplitImpulses
     }
     static void Apply(const Side& side, btScalar impulse, btSolverBody* body)
     {
-        body->internalApplyPushImpulse(side.normal * body->internalGetInvMass(), side.angular, impulse);
+        body->internalApplyPushImpulse(*side.normal * body->internalGetInvMass(), *side.angular, impulse);
     }
 };
+
+/// Friction at a contact point along one direction.
+struct Friction
+{
+    Side side;
+    btScalar target; ///< of AddedSpeed
+    btScalar inverseMass;
+    btScalar coefficient;
+    btScalar impulse; ///< sum of all
+};
+
+/// Keeps a body from sliding, as far as the load allows. A load that has become less takes back no friction.
+void Rub(btScalar load, Friction* friction, btSolverBody* own)
+{
+    const btScalar largest = std::max(friction->coefficient * load, btFabs(friction->impulse));
+    const btScalar lack = friction->target - AddedSpeed(friction->side, *own);
+    const btScalar sum = btClamped(friction->impulse + lack / friction->inverseMass, -largest, largest);
+    if (sum != friction->impulse)
+        Impulses::Apply(friction->side, sum - friction->impulse, own);
+    friction->impulse = sum;
+}
 } // namespace
 
 struct qcStackingSolver::Contact
@@ -104,7 +133,10 @@ struct qcStackingSolver::Contact
     Side side;
     btScalar target; ///< least of Pass::Speed
     btScalar inverseMass;
+    btScalar before;  ///< impulse of the iterations
     btScalar impulse; ///< sum of those of the present visit
+    int frictionCount;
+    Friction frictions[2];
 };
 
 qcStackingSolver::qcStackingSolver() = default;
@@ -227,8 +259,47 @@ template <class Pass> void qcStackingSolver::ReadContacts(int body)
         if (IsFixed(other))
             otherSpeed = 0;
         if (inverseMass > 0)
-            m_contacts.push_back({side, Pass::Target(row, first, second) - otherSpeed, inverseMass, 0});
+        {
+            m_contacts.push_back(
+                {side, Pass::Target(row, first, second) - otherSpeed, inverseMass, row.m_appliedImpulse, 0, 0, {}});
+            if (Pass::hasFriction)
+                ReadFrictions(m_contactsOf[size_t(k)], isFirst, &m_contacts.back());
+        }
     }
+}
+
+/// Reads the rows of friction of a contact point. Bullet has them one after another. What slides under the visited body
+/// brakes it, and drags it no further than the iterations have: kinetic energy does not rise. A single row is left out:
+/// its direction turns with the speed from step to step, and heaps would take longer to rest.
+void qcStackingSolver::ReadFrictions(int row, bool isFirst, Contact* contact)
+{
+    for (int i = m_tmpSolverContactConstraintPool[row].m_frictionIndex;
+         contact->frictionCount < 2 && i < m_tmpSolverContactFrictionConstraintPool.size() &&
+         m_tmpSolverContactFrictionConstraintPool[i].m_frictionIndex == row;
+         i++)
+    {
+        const btSolverConstraint& friction = m_tmpSolverContactFrictionConstraintPool[i];
+        const int ownIndex = isFirst ? friction.m_solverBodyIdA : friction.m_solverBodyIdB,
+                  otherIndex = isFirst ? friction.m_solverBodyIdB : friction.m_solverBodyIdA;
+        btSolverBody &own = m_tmpSolverBodyPool[ownIndex], &other = m_tmpSolverBodyPool[otherIndex];
+        const Side side = isFirst ? Side::First(friction) : Side::Second(friction);
+        const btScalar inverseMass = side.InverseMass(own);
+        if (inverseMass <= 0 || friction.m_jacDiagABInv <= 0)
+            continue;
+        btScalar target = friction.m_rhs / friction.m_jacDiagABInv;
+        if (!IsFixed(otherIndex))
+        {
+            target -= AddedSpeed(isFirst ? Side::Second(friction) : Side::First(friction), other);
+            const bool slides = btFabs(friction.m_appliedImpulse) >= friction.m_friction * contact->before;
+            const btScalar start = StartSpeed(side, own), speed = start + AddedSpeed(side, own);
+            if (slides)
+                target = btClamped(target, std::min(speed, btScalar(0)) - start, std::max(speed, btScalar(0)) - start);
+        }
+        contact->frictions[contact->frictionCount++] = {side, target, inverseMass, friction.m_friction,
+                                                        friction.m_appliedImpulse};
+    }
+    if (contact->frictionCount < 2)
+        contact->frictionCount = 0;
 }
 
 /// Returns the change of the speed of the contact point.
@@ -255,6 +326,9 @@ template <class Pass> void qcStackingSolver::Visit(int body)
         btScalar largest = 0;
         for (Contact& contact : m_contacts)
             largest = std::max(largest, Solve<Pass>(&contact, &own));
+        for (Contact& contact : m_contacts)
+            for (int i = 0; i < contact.frictionCount; i++)
+                Rub(contact.before + contact.impulse, &contact.frictions[i], &own);
         first = std::max(first, largest);
         if (largest <= s_converged * first)
             return;

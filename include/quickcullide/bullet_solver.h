@@ -19,6 +19,10 @@
 /// visited from the static ones upwards: each stops against those that were visited before it, which don't give way any
 /// more. Kinetic energy does not rise by it: what comes towards the visited body does not throw it.
 ///
+/// With SOLVER_USE_2_FRICTION_DIRECTIONS (btContactSolverInfo::m_solverMode) bodies don't slide on those visited
+/// before, either, as far as the load of their contact points allows. Take it for towers that don't sleep: with
+/// Bullet's default, one direction that turns with the speed, they creep apart.
+///
 /// Split impulses (btContactSolverInfo::m_splitImpulse) are treated likewise. Bullet applies them without regard to
 /// contact points that are still apart, such as those of a body that reaches the floor within the step.
 ///
@@ -58,6 +62,7 @@ ATTRIBUTE_ALIGNED16(class) QC_API qcStackingSolver : public btSequentialImpulseC
     void FindLevels();
     void SortBodies();
     template <class Pass> void ReadContacts(int body);
+    void ReadFrictions(int row, bool isFirst, Contact* contact);
     template <class Pass> static btScalar Solve(Contact * contact, btSolverBody * own);
     template <class Pass> void Visit(int body);
 

@@ -1,5 +1,5 @@
-// The solver for heaps: nothing is pressed into what stands still, no energy is gained, and where nothing stands still
-// or joints hold bodies it is Bullet's solver. Room that was made for contact points lasts.
+// The solver for heaps: nothing is pressed into what stands still, no energy is gained, towers don't creep, and where
+// nothing stands still or joints hold bodies it is Bullet's solver. Room that was made for contact points lasts.
 #include "bullet/mesh/mesh_world.h"
 
 namespace
@@ -236,6 +236,61 @@ START_TEST(bodies_with_joints_move_as_by_bullets_solver)
 }
 END_TEST
 
+/// How far cubes on each other that never sleep are from where they were put, at most.
+double Creep(btConstraintSolver* solver)
+{
+    qcMeshWorld world;
+    world.world.setConstraintSolver(solver);
+    world.world.getSolverInfo().m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
+    qcAddFloor(world, qc_floorPlane);
+    const btScalar margin = btScalar(0.01);
+    btCollisionShape* shape = world.Keep(qcCubeModel().MakeShape(margin));
+    std::vector<btRigidBody*> cubes;
+    for (int i = 0; i < 6; i++)
+    {
+        cubes.push_back(world.Add(shape, 1, btVector3(0, btScalar(0.5) + margin + (1 + 2 * margin) * btScalar(i), 0)));
+        cubes.back()->setActivationState(DISABLE_DEACTIVATION);
+    }
+    for (int step = 0; step < 600; step++)
+        world.world.stepSimulation(btScalar(1.0 / 60), 0);
+    double distance = 0;
+    for (const btRigidBody* cube : cubes)
+    {
+        const btVector3& origin = cube->getWorldTransform().getOrigin();
+        distance = std::max(distance, std::hypot(double(origin.x()), double(origin.z())));
+    }
+    printf("creep: %.2f mm\n", 1000 * distance);
+    return distance;
+}
+
+START_TEST(a_tower_that_does_not_sleep_stays_upright)
+{
+    btSequentialImpulseConstraintSolver sequential;
+    qcStackingSolver stacking;
+    ck_assert_double_lt(Creep(&stacking), std::max(Creep(&sequential), 0.01));
+}
+END_TEST
+
+/// A cube on a slab that slides on ice: the two move on as one, and keep their momentum.
+START_TEST(friction_keeps_the_momentum_of_bodies_on_ice)
+{
+    qcStackingSolver solver;
+    BoxWorld boxes(&solver);
+    boxes.floor.setFriction(0);
+    boxes.world.addRigidBody(&boxes.floor);
+    auto at = [](btScalar height) { return btTransform(btQuaternion::getIdentity(), btVector3(0, height, 0)); };
+    const btRigidBody* slab = boxes.Add(btVector3(1, btScalar(0.1), 1), 2, at(btScalar(0.1)));
+    btRigidBody* cube = boxes.Add(btVector3(btScalar(0.3), btScalar(0.3), btScalar(0.3)), 1, at(btScalar(0.5)));
+    cube->setLinearVelocity(btVector3(btScalar(1.5), 0, 0));
+    for (int step = 0; step < 240; step++)
+        boxes.world.stepSimulation(s_shortStep, 0);
+    printf("slab %.4f m/s, cube %.4f m/s\n", double(slab->getLinearVelocity().x()),
+           double(cube->getLinearVelocity().x()));
+    ck_assert_double_eq_tol(double(slab->getLinearVelocity().x()), 0.5, 0.01);
+    ck_assert_double_eq_tol(double(cube->getLinearVelocity().x()), 0.5, 0.01);
+}
+END_TEST
+
 /// Shows where the solver's arrays lie.
 class OpenSolver : public qcStackingSolver
 {
@@ -310,5 +365,6 @@ END_TEST
 QC_RUN_TESTS("stacking solver", a_light_body_under_heavy_ones_is_not_pressed_into_the_floor,
              split_impulses_push_nothing_into_a_floor_that_it_reaches_in_the_step,
              the_energy_of_a_heap_rises_no_more_than_by_bullets_solver, a_heap_comes_to_rest,
+             a_tower_that_does_not_sleep_stays_upright, friction_keeps_the_momentum_of_bodies_on_ice,
              bodies_that_nothing_holds_move_as_by_bullets_solver, bodies_with_joints_move_as_by_bullets_solver,
              arrays_with_room_for_the_contact_points_of_a_step_do_not_grow_in_it)
