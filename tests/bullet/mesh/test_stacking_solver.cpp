@@ -276,6 +276,7 @@ START_TEST(friction_keeps_the_momentum_of_bodies_on_ice)
 {
     qcStackingSolver solver;
     BoxWorld boxes(&solver);
+    boxes.world.getSolverInfo().m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
     boxes.floor.setFriction(0);
     boxes.world.addRigidBody(&boxes.floor);
     auto at = [](btScalar height) { return btTransform(btQuaternion::getIdentity(), btVector3(0, height, 0)); };
