@@ -273,10 +273,11 @@ template <class Pass> void qcStackingSolver::ReadContacts(int body)
 /// its direction turns with the speed from step to step, and heaps would take longer to rest.
 void qcStackingSolver::ReadFrictions(int row, bool isFirst, Contact* contact)
 {
-    for (int i = m_tmpSolverContactConstraintPool[row].m_frictionIndex;
-         contact->frictionCount < 2 && i < m_tmpSolverContactFrictionConstraintPool.size() &&
-         m_tmpSolverContactFrictionConstraintPool[i].m_frictionIndex == row;
-         i++)
+    const int first = m_tmpSolverContactConstraintPool[row].m_frictionIndex;
+    if (first + 1 >= m_tmpSolverContactFrictionConstraintPool.size() ||
+        m_tmpSolverContactFrictionConstraintPool[first + 1].m_frictionIndex != row)
+        return;
+    for (int i = first; i < first + 2; i++)
     {
         const btSolverConstraint& friction = m_tmpSolverContactFrictionConstraintPool[i];
         const int ownIndex = isFirst ? friction.m_solverBodyIdA : friction.m_solverBodyIdB,
@@ -285,7 +286,10 @@ void qcStackingSolver::ReadFrictions(int row, bool isFirst, Contact* contact)
         const Side side = isFirst ? Side::First(friction) : Side::Second(friction);
         const btScalar inverseMass = side.InverseMass(own);
         if (inverseMass <= 0 || friction.m_jacDiagABInv <= 0)
-            continue;
+        {
+            contact->frictionCount = 0;
+            return;
+        }
         btScalar target = friction.m_rhs / friction.m_jacDiagABInv;
         if (!IsFixed(otherIndex))
         {
@@ -298,8 +302,6 @@ void qcStackingSolver::ReadFrictions(int row, bool isFirst, Contact* contact)
         contact->frictions[contact->frictionCount++] = {side, target, inverseMass, friction.m_friction,
                                                         friction.m_appliedImpulse};
     }
-    if (contact->frictionCount < 2)
-        contact->frictionCount = 0;
 }
 
 /// Returns the change of the speed of the contact point.
