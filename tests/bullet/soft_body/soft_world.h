@@ -8,6 +8,7 @@
 
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
+#include <BulletSoftBody/btSoftBodyHelpers.h>
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 
@@ -84,6 +85,20 @@ struct qcSoftWorld
     btRigidBody* AddMesh(const qcModel& model, btScalar mass, const btVector3& at)
     {
         return AddBody(KeepMesh(model), mass, at);
+    }
+
+    /// A quadrilateral of cloth between corners as btSoftBodyHelpers::CreatePatch has them: 0.3 kg, 1 cm thick.
+    btSoftBody* AddPatch(const btVector3& corner00, const btVector3& corner10, const btVector3& corner01,
+                         const btVector3& corner11, int nodesAlong, int nodesAcross, double friction)
+    {
+        btSoftBody* cloth = btSoftBodyHelpers::CreatePatch(world.getWorldInfo(), corner00, corner10, corner01, corner11,
+                                                           nodesAlong, nodesAcross, 0, true);
+        cloth->getCollisionShape()->setMargin(btScalar(0.01));
+        cloth->setTotalMass(btScalar(0.3));
+        cloth->m_cfg.kDF = btScalar(friction);
+        world.addSoftBody(cloth);
+        cloths.push_back(cloth);
+        return cloth;
     }
 
     /// Removes the last soft body of the list.

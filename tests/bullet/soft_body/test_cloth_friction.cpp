@@ -4,7 +4,6 @@
 #include "bullet/soft_body/soft_world.h"
 
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
-#include <BulletSoftBody/btSoftBodyHelpers.h>
 
 #include <algorithm>
 #include <cmath>
@@ -30,15 +29,9 @@ btSoftBody* AddCloth(qcSoftWorld* made, const btVector3& lower, const btVector3&
                      double friction)
 {
     const btScalar y = lower.y();
-    btSoftBody* cloth =
-        btSoftBodyHelpers::CreatePatch(made->world.getWorldInfo(), lower, btVector3(upper.x(), y, lower.z()),
-                                       btVector3(lower.x(), y, upper.z()), upper, nodesAlong, nodesAcross, 0, true);
-    cloth->getCollisionShape()->setMargin(btScalar(0.01));
-    cloth->setTotalMass(btScalar(0.3));
+    btSoftBody* cloth = made->AddPatch(lower, btVector3(upper.x(), y, lower.z()), btVector3(lower.x(), y, upper.z()),
+                                       upper, nodesAlong, nodesAcross, friction);
     cloth->m_cfg.piterations = 8;
-    cloth->m_cfg.kDF = btScalar(friction);
-    made->world.addSoftBody(cloth);
-    made->cloths.push_back(cloth);
     return cloth;
 }
 

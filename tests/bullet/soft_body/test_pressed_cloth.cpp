@@ -21,14 +21,9 @@ constexpr btScalar s_thickness = btScalar(0.01), s_meshMargin = btScalar(0.001);
 btSoftBody* AddPressedCloth(qcSoftWorld* made, const btVector3& corner, const btVector3& u, const btVector3& v,
                             int nodesAlong, int nodesAcross, double friction)
 {
-    btSoftBody* cloth = btSoftBodyHelpers::CreatePatch(made->world.getWorldInfo(), corner, corner + u, corner + v,
-                                                       corner + u + v, nodesAlong, nodesAcross, 0, true);
-    cloth->getCollisionShape()->setMargin(s_thickness);
-    cloth->setTotalMass(btScalar(0.3));
+    btSoftBody* cloth =
+        made->AddPatch(corner, corner + u, corner + v, corner + u + v, nodesAlong, nodesAcross, friction);
     cloth->m_cfg.piterations = 20;
-    cloth->m_cfg.kDF = btScalar(friction);
-    made->world.addSoftBody(cloth);
-    made->cloths.push_back(cloth);
     return cloth;
 }
 
