@@ -277,7 +277,7 @@ void qcForceChains::Respond(std::vector<qcSoftConstraint>* constraints, Chain* c
 }
 
 /// All forces are along one line, so that momentum is kept.
-void qcForceChains::Push(const std::vector<qcSoftConstraint>& constraints, const Chain& chain)
+void qcForceChains::Push(const std::vector<qcSoftConstraint>& constraints, const Chain& chain) const
 {
     const btVector3 push = chain.push * chain.normal - chain.rub;
     for (size_t m = chain.firstMember; m < chain.memberEnd; m++)

@@ -74,7 +74,7 @@ class qcForceChains
     btScalar YieldAlong(const std::vector<qcSoftConstraint>& constraints, const Chain& chain,
                         const btVector3& direction) const;
     void Respond(std::vector<qcSoftConstraint>* constraints, Chain* chain) const;
-    void Push(const std::vector<qcSoftConstraint>& constraints, const Chain& chain);
+    void Push(const std::vector<qcSoftConstraint>& constraints, const Chain& chain) const;
 
     std::vector<Chain> m_chains;
     std::vector<Member> m_members;
