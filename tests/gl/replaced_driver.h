@@ -98,6 +98,12 @@ static inline const char* CheckPairs(qcScene* scene, double margin)
     return result->profile.fallback;
 }
 
+/// `fallback`: of CheckPairs. The device has answered.
+static inline void CheckAnswered(const char* fallback)
+{
+    ck_assert_msg(fallback == NULL, "%s", fallback);
+}
+
 static inline void CheckReason(const char* fallback, const char* part)
 {
     ck_assert_ptr_nonnull(fallback);

@@ -1,5 +1,5 @@
-// A process that ends with a device and a scene still there, which its exit handlers destroy: drivers' own handlers have
-// run before.
+// A process that ends with a device and a scene still there, which its exit handlers destroy: drivers' own handlers
+// have run before.
 #define _DEFAULT_SOURCE // fork
 
 #include "support/devices.h"
