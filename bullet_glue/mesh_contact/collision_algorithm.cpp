@@ -5,6 +5,7 @@
 #include "mesh_contact/collision_algorithm.h"
 
 #include "common/object_motion.h"
+#include "mesh_contact/turned_points.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
@@ -19,6 +20,8 @@ namespace
 {
 // Factor of a distance to accept: Bullet computes it again, from two rounded ends.
 constexpr btScalar s_acceptedFactor = btScalar(1.001);
+// Radians a second. What rests turns by less, what rolls by more.
+constexpr btScalar s_restingTurn = btScalar(0.2);
 
 /// The manifold's point whose impulses addContactPoint would pass on to this one; -1: none.
 int FindPredecessor(const btPersistentManifold& manifold, const qcMeshPoint& point, const btTransform& bodyA)
@@ -312,9 +315,12 @@ void qcPointsAlgorithm::UpdateManifolds(std::vector<qcMeshPoint>* points, btScal
     btScalar threshold = BreakingThreshold(m_dispatcher, body0, body1);
     const btTransform& bodyA = body0.getCollisionObject()->getWorldTransform();
     MarkKnown(bodyA, points);
+    const btVector3 turn =
+        qcRigidMotion(body0.getCollisionObject()).angular - qcRigidMotion(body1.getCollisionObject()).angular;
+    const qcReductionDef def{contactDistance, threshold, m_isShared ? 1 : s_maxGroups, KeepsReached(),
+                             turn.length2() > s_restingTurn * s_restingTurn};
     qcPointGroup groups[s_maxGroups];
-    int groupCount =
-        qcGroupPoints(*points, contactDistance, threshold, m_isShared ? 1 : s_maxGroups, KeepsReached(), groups);
+    int groupCount = qcGroupPoints(*points, def, groups);
     bool used[s_maxGroups] = {};
     for (int g = 0; g < groupCount; g++)
     {
@@ -358,7 +364,10 @@ void qcPointsAlgorithm::processCollision(const btCollisionObjectWrapper* body0, 
     contactDistance = std::min(contactDistance, BreakingThreshold(m_dispatcher, *body0, *body1));
     // A parent's algorithm leaves out children whose boxes are that far apart.
     if (!m_isShared)
+    {
         ReturnReceding(object0, object1, dispatchInfo.m_timeStep, &points);
+        qcTurnPoints(*body0, margin0, *body1, margin1, dispatchInfo.m_timeStep, &points);
+    }
     // The threshold of a parent's manifold can't be raised to that of speculative contacts.
     RemoveDistant(object0, object1, contactDistance, m_isShared ? 0 : dispatchInfo.m_timeStep, &points);
     UpdateManifolds(&points, contactDistance, *body0, *body1, result);

@@ -38,13 +38,21 @@ struct qcPointGroup
     const qcMeshPoint* points[4];
 };
 
+struct qcReductionDef
+{
+    btScalar contactDistance; ///< points at distances closer to it have less weight
+    btScalar minSpacing;      ///< the points of a group are further apart, at either end
+    int maxGroups = 1;
+    /// Points with one normal that bodies reach fast within the step fill further groups, since a body turns about
+    /// those that stop it.
+    bool keepsReached = false;
+    bool turns = false; ///< the bodies turn against each other: where they touched counts less than where they will
+};
+
 /// Groups points by normal, and reduces each group to the deepest point and up to three that span the largest area with
-/// it, or four that carry it: for rigid bodies only the hull of points with equal normals matters. `keepsReached`:
-/// points with one normal that bodies reach fast within the step fill further groups, since a body turns about those
-/// that stop it. Distances are beyond the margins; points with distances closer to `contactDistance` have less weight.
-/// At either end the points of a group are further apart than `minSpacing` and than their distances. The groups refer
-/// to `points`. Returns the number of groups, at most `maxGroups`. O(points * (log(points) + maxGroups)).
-int qcGroupPoints(const std::vector<qcMeshPoint>& points, btScalar contactDistance, btScalar minSpacing, int maxGroups,
-                  bool keepsReached, qcPointGroup* groups);
+/// it, or four that carry it: for rigid bodies only the hull of points with equal normals matters. Distances are beyond
+/// the margins. The points of a group are also further apart than their distances. The groups refer to `points`.
+/// Returns the number of groups. O(points * (log(points) + maxGroups)).
+int qcGroupPoints(const std::vector<qcMeshPoint>& points, const qcReductionDef& def, qcPointGroup* groups);
 
 #endif

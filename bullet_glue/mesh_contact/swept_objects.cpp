@@ -332,7 +332,7 @@ bool qcSweptObjects::MayPass(const btCollisionObject* object, btScalar halfWidth
     const btScalar rest = std::min(s_restMotion * gContactBreakingThreshold,
                                    s_restPart * object->getCollisionShape()->getAngularMotionDisc());
     return TravelNear(object) > std::max(s_slowPart * halfWidth, rest) ||
-           m_depths.DepthOf(object) > s_deepPart * halfWidth;
+           m_depths.DepthOf(object) > s_deepPart * halfWidth || m_depths.HeldOffOf(object) > s_slowPart * halfWidth;
 }
 
 /// True if the convex shapes of a dynamic body, a link or a static object may pass a mesh in the step, or might have
@@ -479,7 +479,7 @@ bool qcSweptObjects::ReadObjects(qcScene* scene)
         }
     SortMovingMeshes();
     if (m_anyOurs)
-        m_depths.Read(m_settings.world->getDispatcher());
+        m_depths.Read(m_settings.world->getDispatcher(), m_timeStep);
     for (int i = 0; m_anyOurs && i < objects.size(); i++)
         if (qcIsFinite(*objects[i]) && TakesCores(objects[i]))
         {

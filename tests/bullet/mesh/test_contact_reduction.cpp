@@ -6,7 +6,7 @@
 
 namespace
 {
-constexpr btScalar s_contactDistance = btScalar(0.02), s_minSpacing = btScalar(0.01);
+constexpr qcReductionDef s_def{btScalar(0.02), btScalar(0.01)};
 
 /// A point on a floor, under a body.
 qcMeshPoint PointAt(btScalar x, btScalar z, btScalar distance)
@@ -40,7 +40,7 @@ START_TEST(four_corners_carry_a_body_and_not_three_and_a_middle_that_is_hardly_d
 {
     std::vector<qcMeshPoint> points = SquareWithMiddle(0);
     qcPointGroup group;
-    ck_assert_int_eq(qcGroupPoints(points, s_contactDistance, s_minSpacing, 1, false, &group), 1);
+    ck_assert_int_eq(qcGroupPoints(points, s_def, &group), 1);
     ck_assert_int_eq(group.count, 4);
     ck_assert_int_eq(CountCorners(group), 4);
 }
@@ -50,7 +50,7 @@ START_TEST(a_deep_point_is_kept_wherever_it_is)
 {
     std::vector<qcMeshPoint> points = SquareWithMiddle(btScalar(-0.01));
     qcPointGroup group;
-    ck_assert_int_eq(qcGroupPoints(points, s_contactDistance, s_minSpacing, 1, false, &group), 1);
+    ck_assert_int_eq(qcGroupPoints(points, s_def, &group), 1);
     ck_assert_int_eq(group.count, 4);
     ck_assert_int_eq(CountCorners(group), 3);
     ck_assert_double_eq_tol(double(group.points[0]->distance), -0.01, 1e-6);
@@ -70,7 +70,7 @@ START_TEST(the_first_point_that_a_fast_body_reaches_is_kept)
     for (qcMeshPoint& point : points)
         point.endDistance = point.distance - btScalar(0.1);
     qcPointGroup group;
-    ck_assert_int_eq(qcGroupPoints(points, s_contactDistance, s_minSpacing, 1, false, &group), 1);
+    ck_assert_int_eq(qcGroupPoints(points, s_def, &group), 1);
     ck_assert_double_eq_tol(double(group.points[0]->distance), 0.05, 1e-6);
 }
 END_TEST
@@ -81,7 +81,7 @@ START_TEST(a_wide_point_at_the_contact_distance_does_not_replace_one_that_carrie
     std::vector<qcMeshPoint> points = {PointAt(0, 0, 0), PointAt(1, 0, 0), PointAt(0, 1, 0), PointAt(1, 1, 0),
                                        PointAt(-5, -5, btScalar(0.0199))};
     qcPointGroup group;
-    ck_assert_int_eq(qcGroupPoints(points, s_contactDistance, s_minSpacing, 1, false, &group), 1);
+    ck_assert_int_eq(qcGroupPoints(points, s_def, &group), 1);
     ck_assert_int_eq(group.count, 4);
     for (int i = 0; i < group.count; i++)
         ck_assert_double_eq(double(group.points[i]->distance), 0);
@@ -101,7 +101,7 @@ START_TEST(points_of_the_previous_step_are_preferred_to_equal_ones)
             points.back().isKnown = i % 4 == shift;
         }
         qcPointGroup group;
-        ck_assert_int_eq(qcGroupPoints(points, s_contactDistance, s_minSpacing, 1, false, &group), 1);
+        ck_assert_int_eq(qcGroupPoints(points, s_def, &group), 1);
         ck_assert_int_eq(group.count, 4);
         for (int i = 0; i < 4; i++)
             ck_assert(group.points[i]->isKnown);
@@ -116,7 +116,7 @@ START_TEST(of_two_points_that_a_fast_body_reaches_the_nearer_one_is_kept)
     for (qcMeshPoint& point : points)
         point.endDistance = point.distance - btScalar(0.03);
     qcPointGroup group;
-    ck_assert_int_eq(qcGroupPoints(points, s_contactDistance, s_minSpacing, 1, false, &group), 1);
+    ck_assert_int_eq(qcGroupPoints(points, s_def, &group), 1);
     ck_assert_int_eq(group.count, 1);
     ck_assert_double_eq_tol(double(group.points[0]->distance), 0.019, 1e-6);
 }
@@ -134,8 +134,11 @@ START_TEST(a_fast_body_is_stopped_at_all_points_that_it_reaches)
                 points.push_back(PointAt(btCos(angle), btSin(angle), btScalar(0.03)));
                 points.back().endDistance = points.back().distance - closing;
             }
+            qcReductionDef def = s_def;
+            def.maxGroups = 4;
+            def.keepsReached = keepsReached;
             qcPointGroup groups[4];
-            const int count = qcGroupPoints(points, s_contactDistance, s_minSpacing, 4, keepsReached, groups);
+            const int count = qcGroupPoints(points, def, groups);
             const bool all = keepsReached && 2 * closing > points[0].distance;
             ck_assert_int_eq(count, all ? 3 : 1);
             std::vector<const qcMeshPoint*> kept;

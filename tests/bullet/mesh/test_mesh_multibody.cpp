@@ -383,41 +383,60 @@ START_TEST(a_driven_arm_that_presses_a_mesh_on_a_wall_passes_neither)
 }
 END_TEST
 
+/// A motor presses a link on a plate for 400 steps. Nothing penetrates after `first` of them.
+void PressPlate(int kind, btScalar speed, int first)
+{
+    LinkWorld made(s_nowhere);
+    const LinkShape head = MakeLink(kind);
+    btMultiBody press(1, 1, btVector3(1, 1, 1), true, false);
+    press.setBasePos(s_up);
+    press.setupPrismatic(0, 1, btVector3(1, 1, 1) / 100, -1, s_upright, -s_up, btScalar(-0.3) * s_up, s_nowhere, true);
+    press.finalizeMultiDof();
+    btMultiBodyLinkCollider collider(&press, 0);
+    collider.setCollisionShape(head.shape.get());
+    press.getLink(0).m_collider = &collider;
+    made.world.addCollisionObject(&collider, 1, -1);
+    made.world.addMultiBody(&press);
+    qcPlaceColliders(press);
+    made.oracle.Add(head.model, &collider, 1);
+    // The plate lies on two blocks.
+    const btVector3 half(1, btScalar(0.01), 1);
+    btRigidBody* plate = made.Add(qcBoxModel(half, 6), 5, btTransform::getIdentity());
+    for (int side = -1; side <= 1; side += 2)
+        made.Add(qcBoxModel(btVector3(btScalar(0.2), btScalar(0.5), btScalar(0.2)), 2), 0,
+                 btTransform(s_upright, btVector3(btScalar(0.8 * side), btScalar(-0.54), 0)), s_fixed);
+    btMultiBodyJointMotor motor(&press, 0, speed, 1000);
+    motor.finalizeMultiDof();
+    made.world.addMultiBodyConstraint(&motor);
+    for (int step = 0; step < 400; step++)
+    {
+        if (step == first)
+            made.oracle.CountNow();
+        if (step >= first)
+            made.StepApart();
+        else
+            made.world.stepSimulation(qcStep, 0);
+    }
+    const btVector3 place = plate->getWorldTransform().invXform(collider.getWorldTransform().getOrigin());
+    ck_assert_double_gt(double(place.y()), 0);
+    made.world.removeMultiBodyConstraint(&motor);
+    made.world.removeMultiBody(&press);
+    made.world.removeCollisionObject(&collider);
+}
+
 START_TEST(a_press_drives_no_link_through_a_plate)
 {
     for (btScalar speed : {btScalar(0.3), btScalar(1), btScalar(3)})
-    {
-        LinkWorld made(s_nowhere);
-        const LinkShape head = MakeLink(_i);
-        btMultiBody press(1, 1, btVector3(1, 1, 1), true, false);
-        press.setBasePos(s_up);
-        press.setupPrismatic(0, 1, btVector3(1, 1, 1) / 100, -1, s_upright, -s_up, btScalar(-0.3) * s_up, s_nowhere,
-                             true);
-        press.finalizeMultiDof();
-        btMultiBodyLinkCollider collider(&press, 0);
-        collider.setCollisionShape(head.shape.get());
-        press.getLink(0).m_collider = &collider;
-        made.world.addCollisionObject(&collider, 1, -1);
-        made.world.addMultiBody(&press);
-        qcPlaceColliders(press);
-        made.oracle.Add(head.model, &collider, 1);
-        // The plate lies on two blocks.
-        const btVector3 half(1, btScalar(0.01), 1);
-        btRigidBody* plate = made.Add(qcBoxModel(half, 6), 5, btTransform::getIdentity());
-        for (int side = -1; side <= 1; side += 2)
-            made.Add(qcBoxModel(btVector3(btScalar(0.2), btScalar(0.5), btScalar(0.2)), 2), 0,
-                     btTransform(s_upright, btVector3(btScalar(0.8 * side), btScalar(-0.54), 0)), s_fixed);
-        btMultiBodyJointMotor motor(&press, 0, speed, 1000);
-        motor.finalizeMultiDof();
-        made.world.addMultiBodyConstraint(&motor);
-        for (int step = 0; step < 400; step++)
-            made.StepApart();
-        const btVector3 place = plate->getWorldTransform().invXform(collider.getWorldTransform().getOrigin());
-        ck_assert_double_gt(double(place.y()), 0);
-        made.world.removeMultiBodyConstraint(&motor);
-        made.world.removeMultiBody(&press);
-        made.world.removeCollisionObject(&collider);
-    }
+        PressPlate(_i, speed, 0);
+}
+END_TEST
+
+/// Bullet's contact of a box or a capsule that lies flat on a mesh lacks all points in some step of a hundred.
+START_TEST(a_link_that_is_pressed_on_a_plate_stays_out_where_bullets_contact_is_lost)
+{
+    // The first touch may be deep: the link is slow, and contact pushes it back.
+    for (btScalar speed = btScalar(0.3); speed < 3; speed *= btScalar(qcIsLongForm() ? 1.03 : 1.1))
+        PressPlate(_i, speed, 100);
 }
 END_TEST
 
@@ -781,6 +800,8 @@ QC_TEST_MAIN()
     tcase_add_loop_test(tests, an_arm_that_falls_onto_a_plate_comes_to_rest_on_it, 0, kind_kinds);
     tcase_add_loop_test(tests, a_driven_arm_that_presses_a_mesh_on_a_wall_passes_neither, 0, kind_kinds);
     tcase_add_loop_test(tests, a_press_drives_no_link_through_a_plate, 0, kind_kinds);
+    tcase_add_loop_test(tests, a_link_that_is_pressed_on_a_plate_stays_out_where_bullets_contact_is_lost, 0,
+                        kind_kinds);
     tcase_add_loop_test(tests, chains_that_are_thrown_at_each_other_pass_nothing, 0, kind_kinds);
     tcase_add_loop_test(tests, a_link_slides_along_a_wall_that_it_meets_at_an_angle, 0, kind_kinds);
     tcase_add_loop_test(tests, meshes_that_are_thrown_at_what_does_not_move_of_a_multibody_pass_none_of_it, 0,
