@@ -35,8 +35,8 @@ btScalar ImpulseOf(const btPersistentManifold& manifold)
     return impulse;
 }
 
-/// That of a link is an upper bound: others may move with it.
-btScalar InverseMassOf(const btCollisionObject* object)
+/// The speed that an impulse at the centre gives an object. That of a link is an upper bound: others may move with it.
+btScalar SpeedPerImpulse(const btCollisionObject* object)
 {
     if (const btMultiBodyLinkCollider* link = qcAsLink(object))
     {
@@ -77,7 +77,7 @@ void qcContactDepths::Read(btDispatcher* dispatcher, btScalar timeStep)
         const btScalar impulse = ImpulseOf(manifold);
         for (const btCollisionObject* object : {a, b})
         {
-            btScalar heldOff = impulse * InverseMassOf(object) * timeStep;
+            btScalar heldOff = impulse * SpeedPerImpulse(object) * timeStep;
             if (heldOff <= s_smallHeldOff * gContactBreakingThreshold)
                 heldOff = 0;
             if (depth > 0 || heldOff > 0)

@@ -13,7 +13,7 @@ constexpr btScalar s_sameGroup = btScalar(0.7071);
 // with their impulses: they count as nearer by this part of the contact distance, and their extent by this factor. Five
 // tori in a bin, 40 starts: mean energy after 4 s 0.012 J without, 0.008 with this; twice as much changes nothing more.
 constexpr btScalar s_knownNearer = btScalar(0.05), s_knownWider = 2;
-// Of bodies that turn against each other, points that recede don't carry: their extent counts by this factor. A ball
+// Points that recede don't carry bodies that turn against each other: their extent counts by this factor. A ball
 // that rolls slowly sinks on points behind it, until those ahead, which had no place, push it on: 78 of 360 rolling
 // meshes became faster, 7 with this, and without the preference of known ones (test_mesh_rolling).
 constexpr btScalar s_recedingWider = btScalar(0.125);
