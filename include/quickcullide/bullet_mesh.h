@@ -208,6 +208,9 @@ struct qcMeshContactStatistics
 /// leave out what has not given way yet; without a step of the world (btCollisionWorld, ghosts, contactTest) they are
 /// the real ones.
 ///
+/// Turning bodies: a point that a body approaches by turning lies where the arc of its vertex gets nearest to a face of
+/// the other one within the step, so that round meshes roll on as they do in small steps.
+///
 /// Restitution: bodies bounce at the end of the step in which they reach each other. Until then
 /// btManifoldPoint::m_combinedRestitution of these points is 0.
 ///
