@@ -2,6 +2,7 @@
 #ifndef QC_GLUE_MESH_CONTACT_SWEPT_OBJECT_H
 #define QC_GLUE_MESH_CONTACT_SWEPT_OBJECT_H
 
+#include "mesh_contact/bisection.h"
 #include "mesh_contact/batch_scene.h"
 #include "mesh_contact/swept_mesh.h"
 #include "mesh_contact/swept_multibody.h"
@@ -148,13 +149,7 @@ template <class Holds> btScalar qcFindLargestPart(btScalar limit, const Holds& h
     if (!holds(btScalar(0)))
         return -1;
     constexpr int bisections = 16; // a part of 1e-5 of the motion is left undecided
-    btScalar low = 0, high = limit;
-    for (int i = 0; i < bisections; i++)
-    {
-        btScalar middle = (low + high) / 2;
-        (holds(middle) ? low : high) = middle;
-    }
-    return low;
+    return qcBisect(btScalar(0), limit, bisections, holds);
 }
 
 #endif

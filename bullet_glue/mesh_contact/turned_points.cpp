@@ -1,6 +1,7 @@
 // Contact points of turning bodies.
 #include "mesh_contact/turned_points.h"
 
+#include "mesh_contact/bisection.h"
 #include "mesh_contact/rigid_motion.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
@@ -18,49 +19,63 @@ constexpr btScalar s_onFace = btScalar(0.99);
 constexpr int s_maxParts = 16;
 constexpr int s_bisections = 12;
 
-btVector3 Rotated(const btVector3& vector, const btVector3& angular, btScalar time)
+/// A body that moves by its velocities at the start of the step.
+struct TurningBody
 {
-    const btScalar speed = angular.length();
-    return speed > 0 ? vector.rotate(angular / speed, speed * time) : vector;
-}
+    qcRigidMotion motion;
+    btScalar speed; ///< radians a second
+    btVector3 axis{0, 0, 0};
 
-/// The path of a vertex over a face within a step. Both bodies move by their velocities at its start.
+    explicit TurningBody(const btCollisionObject* object) : motion(object), speed(motion.angular.length())
+    {
+        if (speed > 0)
+            axis = motion.angular / speed;
+    }
+
+    btVector3 Rotated(const btVector3& vector, btScalar time) const
+    {
+        return speed > 0 ? vector.rotate(axis, speed * time) : vector;
+    }
+};
+
+/// The path of a vertex over a face within a step.
 class Arc
 {
   public:
     /// `normal`: of the face. `vertex`: at the start of the step, at `distance` above it.
-    Arc(const qcRigidMotion& ofVertex, const qcRigidMotion& ofFace, const btVector3& vertex, const btVector3& normal,
+    Arc(const TurningBody& ofVertex, const TurningBody& ofFace, const btVector3& vertex, const btVector3& normal,
         btScalar distance)
-        : m_ofVertex(ofVertex), m_ofFace(ofFace), m_arm(vertex - ofVertex.centre), m_normal(normal),
-          m_apart(ofVertex.centre - ofFace.centre), m_drift(ofVertex.linear - ofFace.linear),
-          m_offset(distance - normal.dot(vertex - ofFace.centre))
+        : m_ofVertex(ofVertex), m_ofFace(ofFace), m_arm(vertex - ofVertex.motion.centre), m_normal(normal),
+          m_apart(ofVertex.motion.centre - ofFace.motion.centre),
+          m_drift(ofVertex.motion.linear - ofFace.motion.linear),
+          m_offset(distance - normal.dot(vertex - ofFace.motion.centre))
     {
     }
 
     btScalar HeightAt(btScalar time) const
     {
-        return m_offset + NormalAt(time).dot(PlaceAt(time));
+        return m_offset + NormalAt(time).dot(PlaceOf(ArmAt(time), time));
     }
 
     btScalar RiseAt(btScalar time) const
     {
-        const btVector3 normal = NormalAt(time);
-        return m_ofFace.angular.cross(normal).dot(PlaceAt(time)) +
-               normal.dot(m_drift + m_ofVertex.angular.cross(ArmAt(time)));
+        const btVector3 normal = NormalAt(time), arm = ArmAt(time);
+        return m_ofFace.motion.angular.cross(normal).dot(PlaceOf(arm, time)) +
+               normal.dot(m_drift + m_ofVertex.motion.angular.cross(arm));
     }
 
     /// From the centre of the vertex's body to the vertex, at a time, in the frame that turns with the face and is that
     /// of the world at the start.
     btVector3 ArmOnFace(btScalar time) const
     {
-        return Rotated(ArmAt(time), m_ofFace.angular, -time);
+        return m_ofFace.Rotated(ArmAt(time), -time);
     }
 
     /// When the vertex touches the face, or is nearest to it, for the first time in the step. `timeStep`: it doesn't
     /// cease to sink.
     btScalar FindNearest(btScalar timeStep) const
     {
-        const btScalar angle = (m_ofVertex.angular.length() + m_ofFace.angular.length()) * timeStep;
+        const btScalar angle = (m_ofVertex.speed + m_ofFace.speed) * timeStep;
         const int parts = int(std::ceil(std::min(angle, btScalar(s_maxParts))));
         btScalar end = timeStep;
         for (int part = 1; part <= parts; part++)
@@ -69,9 +84,9 @@ class Arc
             end = timeStep * btScalar(part) / btScalar(parts);
             const bool rises = RiseAt(end) > 0;
             if (rises)
-                end = Bisect(begin, end, [this](btScalar time) { return RiseAt(time) <= 0; });
+                end = qcBisect(begin, end, s_bisections, [this](btScalar time) { return RiseAt(time) <= 0; });
             if (HeightAt(end) < 0)
-                return Bisect(begin, end, [this](btScalar time) { return HeightAt(time) >= 0; });
+                return qcBisect(begin, end, s_bisections, [this](btScalar time) { return HeightAt(time) >= 0; });
             if (rises)
                 break;
         }
@@ -81,32 +96,21 @@ class Arc
   private:
     btVector3 ArmAt(btScalar time) const
     {
-        return Rotated(m_arm, m_ofVertex.angular, time);
+        return m_ofVertex.Rotated(m_arm, time);
     }
 
     btVector3 NormalAt(btScalar time) const
     {
-        return Rotated(m_normal, m_ofFace.angular, time);
+        return m_ofFace.Rotated(m_normal, time);
     }
 
     /// From the centre of the face's body to the vertex.
-    btVector3 PlaceAt(btScalar time) const
+    btVector3 PlaceOf(const btVector3& arm, btScalar time) const
     {
-        return m_apart + m_drift * time + ArmAt(time);
+        return m_apart + m_drift * time + arm;
     }
 
-    /// The time up to which something holds that holds at the beginning and not at the end.
-    template <class Predicate> static btScalar Bisect(btScalar begin, btScalar end, Predicate holds)
-    {
-        for (int i = 0; i < s_bisections; i++)
-        {
-            const btScalar middle = (begin + end) / 2;
-            (holds(middle) ? begin : end) = middle;
-        }
-        return begin;
-    }
-
-    const qcRigidMotion &m_ofVertex, &m_ofFace;
+    const TurningBody &m_ofVertex, &m_ofFace;
     btVector3 m_arm, m_normal, m_apart, m_drift;
     btScalar m_offset; ///< of heights
 };
@@ -162,13 +166,13 @@ bool IsOnFace(const btCollisionObjectWrapper& body, const qcTriangleSource& sour
 void qcTurnPoints(const btCollisionObjectWrapper& body0, btScalar margin0, const btCollisionObjectWrapper& body1,
                   btScalar margin1, btScalar timeStep, std::vector<qcMeshPoint>* points)
 {
-    const qcRigidMotion motion0(body0.getCollisionObject()), motion1(body1.getCollisionObject());
-    const bool isSwapped = motion0.angular.length2() < motion1.angular.length2();
+    const TurningBody turning0(body0.getCollisionObject()), turning1(body1.getCollisionObject());
+    const bool isSwapped = turning0.motion.angular.length2() < turning1.motion.angular.length2();
     const btCollisionObjectWrapper &vertexBody = isSwapped ? body1 : body0, &faceBody = isSwapped ? body0 : body1;
-    const qcRigidMotion &ofVertex = isSwapped ? motion1 : motion0, &ofFace = isSwapped ? motion0 : motion1;
+    const TurningBody &ofVertex = isSwapped ? turning1 : turning0, &ofFace = isSwapped ? turning0 : turning1;
     const btScalar margin = isSwapped ? margin1 : margin0; // an end on it stays below its vertex
     const btScalar minSagitta = s_minSagitta * gContactBreakingThreshold;
-    const btScalar angle = ofVertex.angular.length() * timeStep;
+    const btScalar angle = ofVertex.speed * timeStep;
     const btScalar radius = vertexBody.getCollisionObject()->getCollisionShape()->getAngularMotionDisc();
     // Upper bound of what arcs leave their lines by.
     if (!(angle * angle / 2 * radius > minSagitta))
@@ -184,8 +188,8 @@ void qcTurnPoints(const btCollisionObjectWrapper& body0, btScalar margin0, const
             !IsOnFace(faceBody, isSwapped ? point.sourceA : point.sourceB, foot, normal))
             continue;
         const btScalar time = arc.FindNearest(timeStep);
-        const btVector3 turned = ofVertex.centre + arc.ArmOnFace(time) - normal * margin;
-        const btScalar solverRise = normal.dot(ofVertex.VelocityAt(turned) - ofFace.VelocityAt(turned));
+        const btVector3 turned = ofVertex.motion.centre + arc.ArmOnFace(time) - normal * margin;
+        const btScalar solverRise = normal.dot(ofVertex.motion.VelocityAt(turned) - ofFace.motion.VelocityAt(turned));
         point.distance = arc.HeightAt(time) - time * solverRise;
         foot += turned - vertex - normal * normal.dot(turned - vertex);
         vertex = foot + normal * point.distance;

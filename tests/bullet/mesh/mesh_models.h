@@ -176,6 +176,30 @@ inline qcModel qcSphereModel(double radius, int levels)
     return model;
 }
 
+/// A surface of revolution about the z axis, from circles of these radii at these heights.
+inline qcModel qcRevolvedModel(const std::vector<std::pair<double, double>>& circles, int segments)
+{
+    qcModel model;
+    for (const auto& circle : circles)
+        for (int i = 0; i < segments; i++)
+            model.Add(circle.first * std::cos(2 * qcPi * i / segments),
+                      circle.first * std::sin(2 * qcPi * i / segments), circle.second);
+    for (uint32_t r = 0; r + 1 < circles.size(); r++)
+        for (uint32_t i = 0; i < uint32_t(segments); i++)
+        {
+            uint32_t n = uint32_t(segments), next = (i + 1) % n, a = r * n + i, b = r * n + next;
+            model.Add(a, b, b + n);
+            model.Add(a, b + n, a + n);
+        }
+    return model;
+}
+
+/// Along the z axis.
+inline qcModel qcCylinderModel(double radius, double half, int segments)
+{
+    return qcRevolvedModel({{0, -half}, {radius, -half}, {radius, half}, {0, half}}, segments);
+}
+
 /// Around the y axis; `radius`: from its centre to the centre of the tube.
 inline qcModel qcTorusModel(double radius, double tube, int around, int across)
 {

@@ -5,35 +5,12 @@ namespace
 {
 constexpr btScalar s_rollRadius = btScalar(0.5);
 
-/// A roller along z.
-qcModel RollerModel(btScalar radius, int sides)
-{
-    qcModel model;
-    const uint32_t centres[2] = {model.Add(0, 0, double(-radius) / 2), model.Add(0, 0, double(radius) / 2)};
-    for (int end = 0; end < 2; end++)
-        for (int i = 0; i < sides; i++)
-        {
-            const btScalar angle = SIMD_2_PI * btScalar(i) / btScalar(sides);
-            model.Add(double(radius * btCos(angle)), double(radius * btSin(angle)), double(radius) * (end - 0.5));
-        }
-    const auto count = uint32_t(sides);
-    for (uint32_t i = 0; i < count; i++)
-    {
-        const uint32_t a = 2 + i, b = 2 + (i + 1) % count, c = a + count, d = b + count;
-        model.Add(a, b, d);
-        model.Add(a, d, c);
-        model.Add(centres[0], b, a);
-        model.Add(centres[1], c, d);
-    }
-    return model;
-}
-
 /// A ball of 20 * 4^level triangles, or a roller.
 qcModel RoundModel(btScalar radius, int kind)
 {
     return kind == 0   ? qcSphereModel(double(radius), 4)
            : kind == 1 ? qcSphereModel(double(radius), 5)
-                       : RollerModel(radius, 128);
+                       : qcCylinderModel(double(radius), double(radius) / 2, 128);
 }
 
 /// A round body that rolls along x on a floor without slipping.

@@ -32,24 +32,6 @@ inline void qcAddModel(qcModel* model, qcModel other, const btTransform& transfo
         model->indices.push_back(first + index);
 }
 
-/// A surface of revolution about the z axis, from circles of these radii at these heights.
-inline qcModel qcRevolvedModel(const std::vector<std::pair<double, double>>& circles, int segments)
-{
-    qcModel model;
-    for (const auto& circle : circles)
-        for (int i = 0; i < segments; i++)
-            model.Add(circle.first * std::cos(2 * qcPi * i / segments),
-                      circle.first * std::sin(2 * qcPi * i / segments), circle.second);
-    for (uint32_t r = 0; r + 1 < circles.size(); r++)
-        for (uint32_t i = 0; i < uint32_t(segments); i++)
-        {
-            uint32_t n = uint32_t(segments), next = (i + 1) % n, a = r * n + i, b = r * n + next;
-            model.Add(a, b, b + n);
-            model.Add(a, b + n, a + n);
-        }
-    return model;
-}
-
 inline qcModel qcCapsuleModel(double radius, double half)
 {
     std::vector<std::pair<double, double>> circles;
@@ -59,11 +41,6 @@ inline qcModel qcCapsuleModel(double radius, double half)
         circles.emplace_back(radius * std::cos(angle), radius * std::sin(angle) + (i < 0 ? -half : half));
     }
     return qcRevolvedModel(circles, 48);
-}
-
-inline qcModel qcCylinderModel(double radius, double half)
-{
-    return qcRevolvedModel({{0, -half}, {radius, -half}, {radius, half}, {0, half}}, 48);
 }
 
 enum qcShapeKind
@@ -181,13 +158,13 @@ inline qcShapeModel qcMakeShape(qcShapeKind kind)
             made.name = "thin cylinder";
             made.top = btScalar(thin);
             made.shape.reset(new btCylinderShapeZ(btVector3(btScalar(thin), btScalar(thin), btScalar(1.5))));
-            made.model = qcCylinderModel(thin, 1.5);
+            made.model = qcCylinderModel(thin, 1.5, 48);
             break;
         case qc_shapeCylinder:
             made.name = "cylinder";
             made.top = btScalar(0.3);
             made.shape.reset(new btCylinderShapeZ(btVector3(btScalar(0.3), btScalar(0.3), btScalar(0.3))));
-            made.model = qcCylinderModel(0.3, 0.3);
+            made.model = qcCylinderModel(0.3, 0.3, 48);
             break;
         case qc_shapeCone:
             made.name = "cone";
