@@ -498,9 +498,7 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("float modes");
-    TCase* tests = tcase_create("float modes");
-    tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
+    TCase* tests = qcMakeCase("float modes");
     tcase_add_loop_test(tests, relations_of_triangles_are_the_same_in_every_mode, 0, qc_modeCount);
     tcase_add_loop_test(tests, proximities_are_the_same_in_every_mode, 0, qc_modeCount);
     tcase_add_loop_test(tests, certificates_of_motion_are_the_same_in_every_mode, 0, qc_modeCount);
@@ -509,6 +507,5 @@ int main(void)
     tcase_add_loop_test(tests, pictures_are_the_same_in_every_mode, 0, qc_modeCount);
     tcase_add_loop_test(tests, results_of_boxes_are_the_same_in_every_mode_and_callbacks_run_in_the_callers, 0,
                         qc_modeCount);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("float modes", tests);
 }

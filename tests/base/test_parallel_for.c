@@ -610,9 +610,7 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("tasks");
-    TCase* tests = tcase_create("tasks");
-    tcase_set_timeout(tests, 300);
+    TCase* tests = qcMakeCase("tasks");
     tcase_add_loop_test(tests, each_index_runs_once_and_concurrent_calls_have_different_workers, 0, qc_hostCount);
     tcase_add_loop_test(tests, tasks_run_in_the_rounding_mode_of_the_caller, 0, qc_hostCount);
     tcase_add_loop_test(tests, each_index_runs_once_on_the_librarys_own_threads, 0, 2);
@@ -628,6 +626,5 @@ int main(void)
     tcase_add_test(tests, a_child_process_starts_its_own_threads);
     tcase_add_test(tests, a_host_without_workers_is_rejected_and_the_previous_one_stays);
     tcase_add_test(tests, the_count_of_workers_is_limited_to_the_maximum);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("tasks", tests);
 }

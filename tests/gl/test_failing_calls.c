@@ -361,12 +361,9 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("failing calls");
-    TCase* testCase = tcase_create("failing calls");
-    tcase_set_timeout(testCase, 300);
+    TCase* testCase = qcMakeCase("failing calls");
     tcase_add_loop_test(testCase, a_function_that_fails_loses_no_pair, 0, qc_wayCount);
     tcase_add_loop_test(testCase, an_error_or_a_loss_at_any_time_loses_no_pair, 0, 2 * qc_wayCount);
     tcase_add_loop_test(testCase, a_device_that_lies_about_its_limits_loses_no_pair, 0, qc_wayCount);
-    suite_add_tcase(suite, testCase);
-    return qcRunSuite(suite);
+    return qcRunCase("failing calls", testCase);
 }

@@ -233,9 +233,7 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("gl_libraries");
-    TCase* testCase = tcase_create("gl_libraries");
-    tcase_set_timeout(testCase, 300); // a bound against hanging, not a claim about speed
+    TCase* testCase = qcMakeCase("gl_libraries");
     // Each in a process of its own: a library is opened once.
     tcase_add_loop_test(testCase, a_library_that_refuses_is_named_with_its_reason, 0,
                         sizeof s_refusals / sizeof s_refusals[0]);
@@ -246,6 +244,5 @@ int main(void)
     tcase_add_test(testCase, a_gpu_is_no_software_and_the_first_choice_of_auto);
     tcase_add_test(testCase, a_gpu_finds_the_pairs_of_the_cpu);
     tcase_add_test(testCase, a_lost_gpu_is_not_replaced_by_another);
-    suite_add_tcase(suite, testCase);
-    return qcRunSuite(suite);
+    return qcRunCase("gl_libraries", testCase);
 }

@@ -409,11 +409,8 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("flat_patch_motion");
-    TCase* tests = tcase_create("motions");
-    tcase_set_timeout(tests, 0);
+    TCase* tests = qcMakeCase("flat_patch_motion");
     tcase_add_loop_test(tests, a_patch_that_stays_flat_never_meets_itself, 0, qc_motionKindCount);
     tcase_add_test(tests, a_patch_that_turns_and_bends_a_little_is_flat);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("flat_patch_motion", tests);
 }

@@ -399,9 +399,7 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("manifold depth");
-    TCase* cells = tcase_create("cells");
-    tcase_set_timeout(cells, 300);
+    TCase* cells = qcMakeCase("manifold depth");
     tcase_add_loop_test(cells, cells_fill_the_cube_and_lie_on_their_side_of_each_bisector, 0, qc_splits);
     tcase_add_loop_test(cells, cells_that_touch_are_not_deep_in_each_other, 0, qc_splits);
     tcase_add_loop_test(cells, cells_pushed_into_each_other_are_as_deep_as_they_overlap, 0, qc_splits);
@@ -411,6 +409,5 @@ int main(void)
     tcase_add_loop_test(cells, a_cut_is_held_along_its_normal_as_far_as_the_margin_reaches, 0, qc_splits);
     tcase_add_test(cells, a_box_sunk_by_a_corner_is_as_deep_as_the_corner_at_any_margin);
     tcase_add_test(cells, boxes_with_flush_sides_are_as_deep_as_they_overlap);
-    suite_add_tcase(suite, cells);
-    return qcRunSuite(suite);
+    return qcRunCase("manifold depth", cells);
 }

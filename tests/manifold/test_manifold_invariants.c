@@ -537,11 +537,8 @@ int main(void)
                                   points_do_not_depend_on_the_number_of_threads,
                                   points_do_not_depend_on_the_instruction_set,
                                   a_second_step_gives_the_points_of_the_first};
-    Suite* suite = suite_create("manifold rules");
-    TCase* testCase = tcase_create("manifold rules");
-    tcase_set_timeout(testCase, 300); // a bound against hanging, not a claim about speed
+    TCase* testCase = qcMakeCase("manifold rules");
     for (size_t i = 0; i < sizeof tests / sizeof tests[0]; i++)
         tcase_add_loop_test(testCase, tests[i], 0, qc_caseCount);
-    suite_add_tcase(suite, testCase);
-    return qcRunSuite(suite);
+    return qcRunCase("manifold rules", testCase);
 }

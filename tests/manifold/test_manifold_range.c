@@ -157,11 +157,8 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("manifold range");
-    TCase* testCase = tcase_create("manifold range");
-    tcase_set_timeout(testCase, 300); // a bound against hanging, not a claim about speed
+    TCase* testCase = qcMakeCase("manifold range");
     tcase_add_loop_test(testCase, a_scene_scaled_by_a_power_of_two_gives_the_same_points_scaled, 0, qc_caseCount);
     tcase_add_loop_test(testCase, triangles_far_smaller_than_the_largest_coordinate_have_correct_points, 0, 4);
-    suite_add_tcase(suite, testCase);
-    return qcRunSuite(suite);
+    return qcRunCase("manifold range", testCase);
 }

@@ -506,9 +506,7 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("manifolds");
-    TCase* testCase = tcase_create("manifolds");
-    tcase_set_timeout(testCase, 300); // a bound against hanging, not a claim about speed
+    TCase* testCase = qcMakeCase("manifolds");
     LOOP(a_box_on_any_floor_stands_on_its_four_corners, qc_restingCount);
     LOOP(a_floor_under_a_box_has_the_opposite_normals, qc_restingCount);
     LOOP(a_box_on_a_tilted_floor_stands_on_its_four_corners, qc_restingCount);
@@ -527,6 +525,5 @@ int main(void)
     LOOP(a_sheet_between_two_boxes_of_one_body_has_the_corners_of_each, 2);
     tcase_add_test(testCase, a_sheet_that_touches_the_bottom_of_a_groove_is_held_from_both_sides);
     LOOP(layers_of_a_folded_cloth_have_one_orientation, 4);
-    suite_add_tcase(suite, testCase);
-    return qcRunSuite(suite);
+    return qcRunCase("manifolds", testCase);
 }

@@ -250,9 +250,7 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("sparse contact");
-    TCase* testCase = tcase_create("sparse contact");
-    tcase_set_timeout(testCase, 300);
+    TCase* testCase = qcMakeCase("sparse contact");
     tcase_add_loop_test(testCase, every_near_pair_has_a_point_that_is_as_near, 0, 6);
     tcase_add_test(testCase, pairs_are_reported_as_without_a_spacing);
     tcase_add_test(testCase, finer_triangles_give_no_more_points);
@@ -261,6 +259,5 @@ int main(void)
     tcase_add_test(testCase, unoriented_points_lie_along_the_shortest_differences);
     tcase_add_test(testCase, threads_make_no_difference);
     tcase_add_test(testCase, a_spacing_that_is_no_length_is_refused);
-    suite_add_tcase(suite, testCase);
-    return qcRunSuite(suite);
+    return qcRunCase("sparse contact", testCase);
 }

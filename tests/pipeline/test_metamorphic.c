@@ -654,15 +654,12 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("metamorphic");
-    TCase* testCase = tcase_create("metamorphic");
-    tcase_set_timeout(testCase, 300);
+    TCase* testCase = qcMakeCase("metamorphic");
     tcase_add_loop_test(testCase, a_change_of_names_or_frame_changes_no_pair, 0, qc_changeCount);
     tcase_add_loop_test(testCase, a_change_of_names_or_frame_changes_no_contact, 0, qc_changeCount);
     tcase_add_test(testCase, a_change_of_names_or_frame_changes_no_pair_on_a_device);
     tcase_add_test(testCase, many_changes_change_no_pair);
     tcase_add_test(testCase, what_a_scene_was_before_changes_no_pair);
     tcase_add_test(testCase, the_view_and_the_resolution_change_no_pair);
-    suite_add_tcase(suite, testCase);
-    return qcRunSuite(suite);
+    return qcRunCase("metamorphic", testCase);
 }

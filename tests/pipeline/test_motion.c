@@ -422,9 +422,7 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("motion");
-    TCase* tests = tcase_create("pairs");
-    tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
+    TCase* tests = qcMakeCase("motion");
     tcase_add_loop_test(tests, the_sweep_reports_what_brute_force_reports_for_soups, 0, 12);
     tcase_add_loop_test(tests, the_sweep_reports_what_brute_force_reports_for_rigid_bodies, 0, 24);
     tcase_add_loop_test(tests, the_sweep_reports_what_brute_force_reports_for_cloth, 0, 20);
@@ -432,6 +430,5 @@ int main(void)
     tcase_add_test(tests, steps_of_a_cloth_report_the_same_as_a_new_scene);
     tcase_add_test(tests, a_pair_has_the_relation_and_the_distance_of_the_start);
     tcase_add_test(tests, what_a_motion_lacks_is_refused);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("motion", tests);
 }

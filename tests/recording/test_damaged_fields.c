@@ -387,9 +387,7 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("damaged_fields");
-    TCase* testCase = tcase_create("damaged_fields");
-    tcase_set_timeout(testCase, 300); // a bound against hanging, not a claim about speed
+    TCase* testCase = qcMakeCase("damaged_fields");
     tcase_add_test(testCase, each_damaged_field_of_a_scene_is_named);
     tcase_add_test(testCase, each_damaged_field_of_a_broadphase_is_named);
     tcase_add_test(testCase, what_names_no_device_and_no_numbers_is_refused);
@@ -398,6 +396,5 @@ int main(void)
     tcase_add_test(testCase, each_kind_of_operation_has_a_name_of_its_own);
     tcase_add_loop_test(testCase, a_record_that_is_longer_or_shorter_is_refused, 0, 3);
     tcase_add_loop_test(testCase, each_failed_allocation_of_the_reader_is_a_status_and_leaks_nothing, 0, 3);
-    suite_add_tcase(suite, testCase);
-    return qcRunSuite(suite);
+    return qcRunCase("damaged_fields", testCase);
 }

@@ -252,13 +252,10 @@ int main(void)
     const TTest* const once[] = {calls_of_a_broadphase_are_read_as_they_were_made,
                                  what_is_no_recording_is_refused_with_its_name,
                                  a_newer_format_is_refused_with_both_versions};
-    Suite* suite = suite_create("damaged_files");
-    TCase* testCase = tcase_create("damaged_files");
-    tcase_set_timeout(testCase, 300); // a bound against hanging, not a claim about speed
+    TCase* testCase = qcMakeCase("damaged_files");
     for (size_t i = 0; i < sizeof each / sizeof each[0]; i++)
         tcase_add_loop_test(testCase, each[i], 0, sizeof s_scalarSizes / sizeof s_scalarSizes[0]);
     for (size_t i = 0; i < sizeof once / sizeof once[0]; i++)
         tcase_add_test(testCase, once[i]);
-    suite_add_tcase(suite, testCase);
-    return qcRunSuite(suite);
+    return qcRunCase("damaged_files", testCase);
 }

@@ -23,16 +23,29 @@ static inline int qcRunSuite(Suite* suite)
     return failed != 0;
 }
 
+/// The case of a suite that has only one, for qcRunCase.
+static inline TCase* qcMakeCase(const char* name)
+{
+    TCase* testCase = tcase_create(name);
+    tcase_set_timeout(testCase, 300); // a bound against hanging, not a claim about speed
+    return testCase;
+}
+
+/// Runs a case as a suite, and frees it; the program's exit status.
+static inline int qcRunCase(const char* name, TCase* testCase)
+{
+    Suite* suite = suite_create(name);
+    suite_add_tcase(suite, testCase);
+    return qcRunSuite(suite);
+}
+
 /// Runs the tests as one case; the program's exit status.
 static inline int qcRunTests(const char* name, const TTest* const* tests, int count)
 {
-    Suite* suite = suite_create(name);
-    TCase* testCase = tcase_create(name);
-    tcase_set_timeout(testCase, 300); // a bound against hanging, not a claim about speed
+    TCase* testCase = qcMakeCase(name);
     for (int i = 0; i < count; i++)
         tcase_add_test(testCase, tests[i]);
-    suite_add_tcase(suite, testCase);
-    return qcRunSuite(suite);
+    return qcRunCase(name, testCase);
 }
 
 #define QC_RUN_LISTED(name, ...)                                                                                       \

@@ -119,16 +119,13 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("qc-bench first");
-    TCase* tcase = tcase_create("qc-bench first");
+    TCase* tcase = qcMakeCase("qc-bench first");
     tcase_add_checked_fixture(tcase, EnterFolder, LeaveFolder);
-    tcase_set_timeout(tcase, 300); // a bound against hanging, not a claim about speed
     tcase_add_test(tcase, each_step_of_a_life_finds_the_pairs_that_others_find);
     tcase_add_test(tcase, without_embree_our_own_steps_are_measured);
     tcase_add_test(tcase, all_are_the_words_below_the_count_and_others_have_to_be_named);
     tcase_add_test(tcase, a_missing_model_is_skipped);
     tcase_add_test(tcase, a_mistake_is_refused_with_a_message_that_names_it);
     tcase_add_test(tcase, a_file_that_is_no_mesh_is_named);
-    suite_add_tcase(suite, tcase);
-    return qcRunSuite(suite);
+    return qcRunCase("qc-bench first", tcase);
 }

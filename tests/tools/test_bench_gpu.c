@@ -278,10 +278,8 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("qc-bench gpu");
-    TCase* tcase = tcase_create("qc-bench gpu");
+    TCase* tcase = qcMakeCase("qc-bench gpu");
     tcase_add_checked_fixture(tcase, EnterFolder, LeaveFolder);
-    tcase_set_timeout(tcase, 300); // a bound against hanging, not a claim about speed
     tcase_add_test(tcase, lists_agree_only_if_all_frames_and_all_steps_do);
     tcase_add_test(tcase, each_scene_and_size_has_its_rows_with_equal_lists);
     tcase_add_test(tcase, each_kernel_has_its_times_where_it_runs);
@@ -291,6 +289,5 @@ int main(void)
     tcase_add_test(tcase, a_device_that_does_not_work_is_a_clear_error);
     tcase_add_test(tcase, mistakes_are_refused_before_anything_is_measured);
     tcase_add_test(tcase, a_run_that_is_ended_keeps_its_rows);
-    suite_add_tcase(suite, tcase);
-    return qcRunSuite(suite);
+    return qcRunCase("qc-bench gpu", tcase);
 }

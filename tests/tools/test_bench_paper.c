@@ -151,14 +151,11 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("qc-bench paper");
-    TCase* tcase = tcase_create("qc-bench paper");
+    TCase* tcase = qcMakeCase("qc-bench paper");
     tcase_add_checked_fixture(tcase, EnterFolder, LeaveFolder);
-    tcase_set_timeout(tcase, 300); // a bound against hanging, not a claim about speed
     tcase_add_test(tcase, each_method_has_a_row_for_each_of_its_frames);
     tcase_add_test(tcase, a_missing_recording_is_skipped_with_the_command_that_makes_it);
     tcase_add_test(tcase, a_damaged_recording_is_refused_by_name);
     tcase_add_test(tcase, a_mistake_on_the_command_line_is_named);
-    suite_add_tcase(suite, tcase);
-    return qcRunSuite(suite);
+    return qcRunCase("qc-bench paper", tcase);
 }

@@ -379,10 +379,8 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("qc-bench peers");
-    TCase* tcase = tcase_create("qc-bench peers");
+    TCase* tcase = qcMakeCase("qc-bench peers");
     tcase_add_checked_fixture(tcase, EnterFolder, LeaveFolder);
-    tcase_set_timeout(tcase, 300); // a bound against hanging, not a claim about speed
     tcase_add_test(tcase, the_triangle_test_of_the_peers_is_exact);
     tcase_add_test(tcase, a_frame_moves_each_vertex_by_little_and_the_last_leads_to_the_first);
     tcase_add_test(tcase, a_decimated_mesh_has_about_the_requested_number_of_triangles);
@@ -402,6 +400,5 @@ int main(void)
     tcase_add_test(tcase, a_missing_model_is_skipped);
     tcase_add_loop_test(tcase, a_mistake_is_refused_with_a_message_that_names_it, 0,
                         (int)(sizeof s_refused / sizeof s_refused[0]));
-    suite_add_tcase(suite, tcase);
-    return qcRunSuite(suite);
+    return qcRunCase("qc-bench peers", tcase);
 }

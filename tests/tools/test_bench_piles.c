@@ -7,7 +7,7 @@
 
 #define HEADER                                                                                                         \
     "scene,shapes,bodies,triangles,threads,steps,falling_ms,rest_ms,asleep_ms,longest_ms,falling_detection_ms,"        \
-    "rest_detection_ms,falling_points,rest_points,deepest,under_ground,penetrating,rest_seconds,drift"
+    "rest_detection_ms,falling_points,rest_points,deepest,under_ground,penetrating,rest_seconds,drift,starts,restless"
 
 typedef struct Rows
 {
@@ -86,12 +86,36 @@ START_TEST(one_shape_can_be_chosen)
 }
 END_TEST
 
+static void TakeStarts(const Row* row, void* context)
+{
+    ++*(int*)context;
+    ck_assert(Is(row, "starts", "3"));
+    ck_assert(Is(row, "steps", "18"));
+    // They still fall.
+    ck_assert(Is(row, "restless", "3"));
+    ck_assert(Is(row, "rest_seconds", "-1"));
+    ck_assert_double_gt(GetNumber(row, "drift"), 0.0);
+}
+
+START_TEST(figures_of_several_starts_are_put_together)
+{
+    EnterFolder();
+    ck_assert_msg(Run(QC_BENCH_PROGRAM " piles --scene tori-6 --shape mesh --steps 6 --starts 3 --out o") == 0, "%s",
+                  GetErrors());
+    int rows = 0;
+    ck_assert_int_eq(ForEachRow("o/piles.csv", HEADER, TakeStarts, &rows), 1);
+    ck_assert_int_eq(rows, 1);
+    LeaveFolder();
+}
+END_TEST
+
 START_TEST(mistakes_are_refused_with_a_message)
 {
     static const CommandMistake wrong[] = {
         {"--scene tori", 2, "there is no scene 'tori', only: tori-6, "},
         {"--shape hulls", 2, "there is no shape 'hulls', only: mesh, gimpact, hull"},
         {"--steps 3", 2, "--steps: '3' is not a whole number in 4.."},
+        {"--starts 0", 2, "--starts: '0' is not a whole number in 1.."},
         {"--out ''", 2, "--out: no folder is named"},
         {"tori-6", 2, "'tori-6': options only"},
         {"--scene tori-6 --steps 4 --out /dev/null/o", 1, "/dev/null"},
@@ -105,4 +129,4 @@ START_TEST(mistakes_are_refused_with_a_message)
 END_TEST
 
 QC_RUN_TESTS("bench piles", every_shape_falls_in_the_same_scene, linked_rings_stay_linked_and_come_to_rest,
-             one_shape_can_be_chosen, mistakes_are_refused_with_a_message)
+             one_shape_can_be_chosen, figures_of_several_starts_are_put_together, mistakes_are_refused_with_a_message)

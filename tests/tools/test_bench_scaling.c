@@ -95,13 +95,10 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("qc-bench scaling");
-    TCase* tcase = tcase_create("qc-bench scaling");
+    TCase* tcase = qcMakeCase("qc-bench scaling");
     tcase_add_checked_fixture(tcase, EnterFolder, LeaveFolder);
-    tcase_set_timeout(tcase, 300); // a bound against hanging, not a claim about speed
     tcase_add_test(tcase, the_exponent_is_that_of_the_times_from_20_k_to_1_m);
     tcase_add_test(tcase, each_size_has_its_rows);
     tcase_add_test(tcase, sizes_of_0_are_left_out);
-    suite_add_tcase(suite, tcase);
-    return qcRunSuite(suite);
+    return qcRunCase("qc-bench scaling", tcase);
 }

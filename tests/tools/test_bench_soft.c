@@ -47,12 +47,9 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("qc-bench soft");
-    TCase* tcase = tcase_create("qc-bench soft");
+    TCase* tcase = qcMakeCase("qc-bench soft");
     tcase_add_checked_fixture(tcase, EnterFolder, LeaveFolder);
-    tcase_set_timeout(tcase, 300); // a bound against hanging, not a claim about speed
     tcase_add_test(tcase, each_small_scene_has_its_row_and_no_penetrating_pairs);
     tcase_add_test(tcase, mistakes_are_named);
-    suite_add_tcase(suite, tcase);
-    return qcRunSuite(suite);
+    return qcRunCase("qc-bench soft", tcase);
 }

@@ -277,8 +277,7 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("output_file");
-    TCase* tests = tcase_create("output");
+    TCase* tests = qcMakeCase("output_file");
     tcase_add_checked_fixture(tests, EnterFolder, LeaveFolder);
     tcase_add_test(tests, an_old_file_stays_until_the_new_one_is_complete);
     tcase_add_test(tests, an_aborted_output_leaves_the_folder_as_it_was);
@@ -292,7 +291,5 @@ int main(void)
     tcase_add_test(tests, a_path_that_can_not_be_written_is_named);
     tcase_add_test(tests, a_picture_reads_back_as_it_was_written);
     tcase_add_test(tests, long_work_shows_its_share_and_short_work_nothing);
-    tcase_set_timeout(tests, 60);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("output_file", tests);
 }

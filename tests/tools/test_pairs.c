@@ -333,8 +333,7 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("qc_pairs");
-    TCase* tests = tcase_create("qc_pairs");
+    TCase* tests = qcMakeCase("qc_pairs");
     tcase_add_checked_fixture(tests, EnterWithMeshes, LeaveFolder);
     tcase_add_loop_test(tests, out_holds_exactly_the_pairs_that_brute_force_finds, 0,
                         sizeof s_queries / sizeof s_queries[0]);
@@ -347,7 +346,5 @@ int main(void)
     tcase_add_test(tests, pairs_go_to_standard_output_and_the_report_to_standard_error);
     tcase_add_test(tests, help_names_every_option_and_exit_status);
     tcase_add_test(tests, meshes_without_triangles_have_no_pairs);
-    tcase_set_timeout(tests, 60);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("qc_pairs", tests);
 }

@@ -191,8 +191,7 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("qc_pairs_report");
-    TCase* tests = tcase_create("qc_pairs_report");
+    TCase* tests = qcMakeCase("qc_pairs_report");
     tcase_add_checked_fixture(tests, EnterWithMeshes, LeaveFolder);
     tcase_add_test(tests, json_reports_pairs_and_times);
     tcase_add_test(tests, a_method_that_cannot_draw_reports_which_one_ran);
@@ -201,7 +200,5 @@ int main(void)
     tcase_add_test(tests, the_report_repeats_the_options);
     tcase_add_test(tests, memory_is_given_by_the_triangle_for_many_triangles_only);
     tcase_add_test(tests, the_picture_shows_the_potentially_colliding_set_in_red);
-    tcase_set_timeout(tests, 60);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("qc_pairs_report", tests);
 }

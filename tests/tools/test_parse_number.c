@@ -147,14 +147,12 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("mesh_number");
-    TCase* numbers = tcase_create("numbers");
+    TCase* numbers = qcMakeCase("mesh_number");
     tcase_add_test(numbers, decimals_are_rounded_to_nearest);
     tcase_add_test(numbers, points_halfway_between_two_floats_are_rounded_to_even);
     tcase_add_test(numbers, a_digit_far_behind_the_point_still_decides_the_rounding);
     tcase_add_test(numbers, exponents_of_any_length_end_at_zero_or_infinity);
     tcase_add_test(numbers, the_locale_of_the_program_does_not_matter);
     tcase_add_test(numbers, text_that_is_no_decimal_number_is_refused);
-    suite_add_tcase(suite, numbers);
-    return qcRunSuite(suite);
+    return qcRunCase("mesh_number", numbers);
 }

@@ -117,9 +117,7 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("intersection segment");
-    TCase* tcase = tcase_create("ends");
-    tcase_set_timeout(tcase, 0);
+    TCase* tcase = qcMakeCase("intersection segment");
     tcase_add_test(tcase, triangles_that_cross_share_the_overlap_of_two_intervals);
     tcase_add_test(tcase, identical_triangles_give_their_longest_edge);
     tcase_add_test(tcase, a_coplanar_triangle_inside_gives_its_longest_edge);
@@ -130,6 +128,5 @@ int main(void)
     tcase_add_test(tcase, collinear_segments_give_their_overlap);
     tcase_add_test(tcase, a_point_gives_itself_twice);
     tcase_add_loop_test(tcase, ends_are_the_farthest_corners_of_the_exact_intersection, 0, qc_pairKindCount);
-    suite_add_tcase(suite, tcase);
-    return qcRunSuite(suite);
+    return qcRunCase("intersection segment", tcase);
 }

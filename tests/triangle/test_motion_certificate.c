@@ -176,11 +176,8 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("motion certificate");
-    TCase* tests = tcase_create("certificates");
-    tcase_set_timeout(tests, 0);
+    TCase* tests = qcMakeCase("motion certificate");
     tcase_add_loop_test(tests, nothing_that_is_certified_meets, 0, qc_classCount);
     tcase_add_test(tests, the_test_for_neighbours_is_that_of_the_oracle);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("motion certificate", tests);
 }

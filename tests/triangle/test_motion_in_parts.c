@@ -207,13 +207,10 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("motion in parts");
-    TCase* tests = tcase_create("motion in parts");
-    tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
+    TCase* tests = qcMakeCase("motion in parts");
     tcase_add_test(tests, sheets_that_turn_as_one_body_are_proven_though_no_fixed_direction_separates_them);
     tcase_add_loop_test(tests, no_pair_that_is_proven_meets, 0, 3);
     tcase_add_test(tests, a_pair_that_touches_at_one_time_only_is_not_proven);
     tcase_add_test(tests, a_pair_that_meets_at_a_size_of_rounding_errors_is_not_proven);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("motion in parts", tests);
 }

@@ -29,6 +29,38 @@ double DepthInGround(const qcTriangles& model, const btTransform& place)
 }
 } // namespace
 
+void qcPilesFigures::Add(const qcPilesFigures& other)
+{
+    for (int i = 0; i < qc_pilesPhaseCount; i++)
+        phases[i].Add(other.phases[i]);
+    longestMs = std::max(longestMs, other.longestMs);
+    deepest = std::max(deepest, other.deepest);
+    underGround = std::max(underGround, other.underGround);
+    penetrating += other.penetrating;
+    ends.insert(ends.end(), other.ends.begin(), other.ends.end());
+}
+
+size_t qcPilesFigures::RestlessStarts() const
+{
+    return size_t(std::count_if(ends.begin(), ends.end(), [](const qcPilesEnd& end) { return end.restSeconds < 0; }));
+}
+
+double qcPilesFigures::RestSeconds() const
+{
+    double latest = -1;
+    for (const qcPilesEnd& end : ends)
+        latest = std::max(latest, end.restSeconds);
+    return latest;
+}
+
+double qcPilesFigures::Drift() const
+{
+    double sum = 0;
+    for (const qcPilesEnd& end : ends)
+        sum += end.drift;
+    return sum / double(ends.size());
+}
+
 qcPilesDepth::qcPilesDepth(const qcPilesSetup& setup) : m_setup(setup)
 {
     qcSceneDef def = qcDefaultSceneDef();
@@ -111,9 +143,9 @@ void qcPilesRun::TakePlaces(uint32_t step)
     if (PhaseOf(step) == qc_pilesRest && m_places.empty())
         for (const auto& body : m_world.Bodies())
             m_places.push_back(body->getWorldTransform().getOrigin());
+    double& drift = m_figures.ends[0].drift;
     for (size_t i = 0; step == m_steps && i < m_places.size(); i++)
-        m_figures.drift = std::max(m_figures.drift,
-                                   double(m_world.Bodies()[i]->getWorldTransform().getOrigin().distance(m_places[i])));
+        drift = std::max(drift, double(m_world.Bodies()[i]->getWorldTransform().getOrigin().distance(m_places[i])));
 }
 
 bool qcPilesRun::Step(std::string* message)
@@ -122,9 +154,7 @@ bool qcPilesRun::Step(std::string* message)
         m_world.Sleep();
     uint32_t step = ++m_taken;
     double detectionMs, ms = m_world.Step(&detectionMs);
-    qcPilesPhase& phase = m_figures.phases[step > m_steps       ? qc_pilesAsleep
-                                           : step > m_steps / 2 ? qc_pilesRest
-                                                                : qc_pilesFalling];
+    qcPilesPhase& phase = m_figures.phases[PhaseOf(step)];
     qcPilesState state = m_world.State();
     phase.steps++;
     phase.ms += ms;
@@ -138,10 +168,11 @@ bool qcPilesRun::Step(std::string* message)
     }
     if (step > m_steps)
         return true;
+    double& restSeconds = m_figures.ends[0].restSeconds;
     if (!(state.speed <= s_restSpeed))
-        m_figures.restSeconds = -1;
-    else if (m_figures.restSeconds < 0)
-        m_figures.restSeconds = double(btScalar(step) * qcPilesWorld::stepSeconds);
+        restSeconds = -1;
+    else if (restSeconds < 0)
+        restSeconds = double(btScalar(step) * qcPilesWorld::stepSeconds);
     TakePlaces(step);
     if (step % s_depthInterval != 0 && step != m_steps)
         return true;

@@ -16,6 +16,14 @@ struct qcPilesPhase
     {
         return steps > 0 ? sum / steps : 0;
     }
+
+    void Add(const qcPilesPhase& other)
+    {
+        steps += other.steps;
+        ms += other.ms;
+        detectionMs += other.detectionMs;
+        points += other.points;
+    }
 };
 
 /// Phases of a run.
@@ -28,20 +36,35 @@ enum qcPilesPhaseName
     qc_pilesPhaseCount
 };
 
+/// Where the bodies of one start end.
+struct qcPilesEnd
+{
+    double restSeconds = -1; ///< from here on no body is faster than 0.1 m/s; below 0: never
+    double drift = 0;        ///< the longest way that a body's origin makes in the phase at rest, from end to end; m
+};
+
 struct qcPilesFigures
 {
     const qcPilesSceneDef* scene = nullptr;
     qcPilesContestant contestant = qcPilesContestant::ours;
     size_t bodies = 0, triangles = 0;
-    qcPilesPhase phases[qc_pilesPhaseCount];
+    qcPilesPhase phases[qc_pilesPhaseCount]; ///< of all starts
     double longestMs = 0;
     /// Of the meshes' triangles, without margins, in each other and in the bin: the deepest point of an exact query's
     /// manifolds, each eighth step; m.
     double deepest = 0;
-    double underGround = 0;  ///< depth of the lowest vertex under the ground, a plane, in the same steps; m
-    size_t penetrating = 0;  ///< pairs of triangles, at the last of these queries
-    double restSeconds = -1; ///< from here on no body is faster than 0.1 m/s; below 0: never
-    double drift = 0;        ///< the longest way that a body's origin makes in the phase at rest, from end to end; m
+    double underGround = 0;          ///< depth of the lowest vertex under the ground, a plane, in the same steps; m
+    size_t penetrating = 0;          ///< pairs of triangles, at the last of these queries
+    std::vector<qcPilesEnd> ends{1}; ///< by start
+
+    /// Adds those of other starts of this scene and contestant.
+    void Add(const qcPilesFigures& other);
+    /// Starts in which some body never comes to rest.
+    size_t RestlessStarts() const;
+    /// When the last of the other starts comes to rest; below 0: there is none.
+    double RestSeconds() const;
+    /// The mean of the starts.
+    double Drift() const;
 };
 
 /// The exact depths of a scene's meshes, by a scene of the benchmark's own.

@@ -26,7 +26,7 @@ struct Options
 {
     std::vector<const qcPilesSceneDef*> scenes;
     std::vector<qcPilesContestant> contestants;
-    uint32_t steps = 0, threads = 1, seed = 7;
+    uint32_t steps = 0, threads = 1, seed = 7, starts = 1;
     const char* out = "out/bench";
 };
 
@@ -53,11 +53,11 @@ void TakeContestant(const struct argp_state* state, const char* text, void* cont
 }
 
 /// Runs the contestants step by step in turn, so that all have the same machine. False with a message.
-bool RunScene(const Options& options, const qcPilesSceneDef& def, std::vector<qcPilesFigures>* figures,
+bool RunStart(const Options& options, const qcPilesSceneDef& def, uint32_t seed, std::vector<qcPilesFigures>* figures,
               qcMessage* message)
 {
     qcPilesSetup setup;
-    def.make(options.seed, &setup);
+    def.make(seed, &setup);
     std::vector<std::unique_ptr<qcPilesRun>> runs;
     uint32_t steps = options.steps != 0 ? options.steps : def.steps;
     for (qcPilesContestant contestant : options.contestants)
@@ -84,6 +84,24 @@ bool RunScene(const Options& options, const qcPilesSceneDef& def, std::vector<qc
     for (const auto& run : runs)
         figures->push_back(run->Figures());
     return isOk;
+}
+
+/// Runs all starts of a scene. False with a message.
+bool RunScene(const Options& options, const qcPilesSceneDef& def, std::vector<qcPilesFigures>* figures,
+              qcMessage* message)
+{
+    for (uint32_t start = 0; start < options.starts && qcInterrupt_Signal() == 0; start++)
+    {
+        std::vector<qcPilesFigures> found;
+        if (!RunStart(options, def, options.seed + start, &found, message))
+            return false;
+        if (start == 0)
+            *figures = found;
+        else
+            for (size_t i = 0; i < found.size(); i++)
+                (*figures)[i].Add(found[i]);
+    }
+    return true;
 }
 
 qcExitStatus Run(const Options& options, qcMessage* message)
@@ -134,6 +152,8 @@ extern "C" qcExitStatus qcBench_RunPiles(int argumentCount, char** arguments)
          qcOption_Number(&options.steps, 4, 1000000)},
         {1, "seed", "N", "Other starts, each a little different; %s by default",
          qcOption_Number(&options.seed, 1, 1000000)},
+        {1, "starts", "N", "How many starts, from that seed on; %s by default",
+         qcOption_Number(&options.starts, 1, 10000)},
         {1, "threads", "N", "Threads of qcMeshContact, 0: one per core; %s by default",
          qcOption_Number(&options.threads, 0, 1024)},
         {2, "out", "FOLDER", "Where piles.csv goes; %s by default, made if it is missing",

@@ -47,8 +47,8 @@ enum
     qc_maxRounds = 32
 };
 
-/// A device that needs more is lost.
-static const GLuint64 s_maxWait = 10000000000u;
+// Nanoseconds: a device that needs more is lost. Software GL compiles its first kernels on cores that others use, too.
+static const GLuint64 s_maxWait = 10000000000u, s_maxSoftwareWait = 60000000000u;
 
 /// The lists whose items are counted.
 typedef enum List
@@ -95,6 +95,7 @@ struct qcLayers
     GLsync fence;                      ///< of the run on the device; null: there is none
     bool showsErrors;                  ///< the run has no call whose failure its answer would not show
     qcGlTimers timers;
+    GLuint64 maxWait;  ///< for a run
     qcLayersStep step; ///< the last one begun
     qcLayersAnswer answer;
 };
@@ -482,7 +483,7 @@ static qcStatus SubmitStep(const struct qcGlFunctions* gl, qcLayers* layers)
 /// Waits for the run and reads its counters.
 static qcStatus Wait(const struct qcGlFunctions* gl, qcLayers* layers)
 {
-    GLenum reached = qcGl_Counted(gl)->ClientWaitSync(layers->fence, GL_SYNC_FLUSH_COMMANDS_BIT, s_maxWait);
+    GLenum reached = qcGl_Counted(gl)->ClientWaitSync(layers->fence, GL_SYNC_FLUSH_COMMANDS_BIT, layers->maxWait);
     layers->answer.waits++;
     qcGl_Counted(gl)->DeleteSync(layers->fence);
     layers->fence = NULL;
@@ -599,12 +600,15 @@ static qcStatus RunJob(const struct qcGlFunctions* gl, void* context)
 
 qcStatus qcLayers_Create(qcDevice* device, bool imageOnly, qcLayers** result)
 {
+    qcDeviceInfo info;
+    QC_TRY(qcDevice_GetInfo(device, &info));
     qcLayers* layers = qcAllocateZeroed(sizeof *layers);
     if (layers == NULL)
         return qcFailMemory(sizeof *layers, "layers");
     layers->device = device;
     layers->generation = qcDevice_GetGeneration(device);
     layers->imageOnly = imageOnly;
+    layers->maxWait = info.software ? s_maxSoftwareWait : s_maxWait;
     qcStatus status = qcDevice_RunIn(device, layers->generation, CreateObjects, layers, "layers, set-up");
     if (status != qc_statusOk)
     {

@@ -306,12 +306,9 @@ QC_TEST_MAIN()
                                   messages_name_the_place,
                                   no_path_is_refused,
                                   pieces_that_were_changed_wrongly_are_not_saved};
-    Suite* suite = suite_create("piece_files");
-    TCase* testCase = tcase_create("piece_files");
+    TCase* testCase = qcMakeCase("piece_files");
     tcase_add_checked_fixture(testCase, EnterFolder, LeaveFolder);
-    tcase_set_timeout(testCase, 300);
     for (const TTest* test : tests)
         tcase_add_test(testCase, test);
-    suite_add_tcase(suite, testCase);
-    return qcRunSuite(suite);
+    return qcRunCase("piece_files", testCase);
 }

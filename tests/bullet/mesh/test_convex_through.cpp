@@ -678,9 +678,7 @@ END_TEST
 
 QC_TEST_MAIN()
 {
-    Suite* suite = suite_create("convex_through");
-    TCase* tests = tcase_create("convex_through");
-    tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
+    TCase* tests = qcMakeCase("convex_through");
     tcase_add_loop_test(tests, a_core_is_inside_its_shape, 0, convex_kinds);
     tcase_add_test(tests, a_core_follows_changes_of_its_shape);
     tcase_add_test(tests, a_hull_at_the_address_of_a_deleted_one_has_a_core_of_its_own);
@@ -701,6 +699,5 @@ QC_TEST_MAIN()
     tcase_add_loop_test(tests, a_convex_shape_passes_only_what_it_does_not_collide_with, 0, exemption_kinds);
     tcase_add_test(tests, small_convex_shapes_pass_no_mesh);
     tcase_add_test(tests, slow_convex_shapes_are_left_to_bullet);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("convex_through", tests);
 }

@@ -84,9 +84,7 @@ END_TEST
 
 QC_TEST_MAIN()
 {
-    Suite* suite = suite_create("extreme_vertices");
-    TCase* tests = tcase_create("extreme_vertices");
+    TCase* tests = qcMakeCase("extreme_vertices");
     tcase_add_loop_test(tests, extreme_vertices_are_those_of_all_vertices, 0, cloud_kinds);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("extreme_vertices", tests);
 }

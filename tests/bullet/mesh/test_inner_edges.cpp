@@ -139,12 +139,10 @@ END_TEST
 
 QC_TEST_MAIN()
 {
-    Suite* suite = suite_create("inner_edges");
-    TCase* tests = tcase_create("inner_edges");
+    TCase* tests = qcMakeCase("inner_edges");
     tcase_add_loop_test(tests, convex_shapes_slide_over_triangles_as_over_a_plane, 0, 3);
     tcase_add_loop_test(tests, uneven_ground_takes_little_of_their_speed, 0, 3);
     tcase_add_test(tests, boxes_slide_down_slopes_as_friction_has_it);
     tcase_add_test(tests, outer_edges_hold_convex_shapes);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("inner_edges", tests);
 }

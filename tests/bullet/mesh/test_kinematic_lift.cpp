@@ -105,9 +105,7 @@ END_TEST
 
 QC_TEST_MAIN()
 {
-    Suite* suite = suite_create("kinematic_lift");
-    TCase* tests = tcase_create("kinematic_lift");
+    TCase* tests = qcMakeCase("kinematic_lift");
     tcase_add_loop_test(tests, a_body_on_a_lift_that_goes_down_keeps_its_weight_and_friction, 0, 2);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("kinematic_lift", tests);
 }

@@ -130,13 +130,11 @@ END_TEST
 
 QC_TEST_MAIN()
 {
-    Suite* suite = suite_create("margin overlap");
-    TCase* tests = tcase_create("margin overlap");
+    TCase* tests = qcMakeCase("margin overlap");
     tcase_add_test(tests, cubes_that_touch_leave_each_other_slowly);
     tcase_add_loop_test(tests, a_stack_of_cubes_that_touch_does_not_jump, 0, qc_floorCount);
     tcase_add_test(tests, meshes_that_penetrate_are_pushed_apart_at_once);
     tcase_add_test(tests, only_slow_bodies_spare_their_margins);
     tcase_add_test(tests, faces_that_begin_in_contact_have_rolling_friction_from_their_second_step_on);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("margin overlap", tests);
 }

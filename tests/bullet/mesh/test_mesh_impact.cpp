@@ -557,9 +557,7 @@ END_TEST
 
 QC_TEST_MAIN()
 {
-    Suite* suite = suite_create("mesh_ahead");
-    TCase* tests = tcase_create("mesh_ahead");
-    tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
+    TCase* tests = qcMakeCase("mesh_impact");
     qcAddLoop(tests, a_fast_cube_is_stopped_on_any_mesh_not_in_it, qc_floorPlane);
     qcAddLoop(tests, a_falling_cube_bounces_on_any_mesh, qc_floorCount);
     tcase_add_test(tests, a_falling_cube_bounces_without_warm_starting);
@@ -582,6 +580,5 @@ QC_TEST_MAIN()
     tcase_add_test(tests, thrown_bunnies_do_not_hook_into_each_other);
     tcase_add_test(tests, the_same_throw_ends_the_same_way);
 #endif
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("mesh_impact", tests);
 }

@@ -252,12 +252,9 @@ END_TEST
 
 QC_TEST_MAIN()
 {
-    Suite* suite = suite_create("mesh_joints");
-    TCase* tests = tcase_create("mesh_joints");
-    tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
+    TCase* tests = qcMakeCase("mesh_joints");
     qcAddLoop(tests, joined_meshes_thrown_at_thin_walls_pass_nothing, qcIsLongForm() ? s_longStarts : s_starts);
     tcase_add_loop_test(tests, a_pendulum_passes_only_the_post_with_which_it_does_not_collide, 0, exemption_kinds);
     tcase_add_test(tests, a_doll_thrown_at_a_wall_comes_to_rest_whole);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("mesh_joints", tests);
 }

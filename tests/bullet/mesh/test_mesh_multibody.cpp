@@ -790,9 +790,7 @@ END_TEST
 
 QC_TEST_MAIN()
 {
-    Suite* suite = suite_create("mesh_multibody");
-    TCase* tests = tcase_create("mesh_multibody");
-    tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
+    TCase* tests = qcMakeCase("mesh_multibody");
     tcase_add_loop_test(tests, chains_that_are_thrown_at_walls_pass_none, 0, kind_kinds);
     tcase_add_loop_test(tests, chains_do_not_stand_still_at_a_wall, 0, kind_kinds);
     tcase_add_loop_test(tests, links_of_one_chain_are_not_limited_against_each_other, 0, kind_kinds);
@@ -816,6 +814,5 @@ QC_TEST_MAIN()
     tcase_add_loop_test(tests, a_multibody_that_the_world_does_not_step_goes_where_it_is_put, 0, kind_kinds);
     tcase_add_loop_test(tests, a_chain_that_meets_nothing_moves_as_in_plain_bullet, 0, kind_kinds);
     tcase_add_loop_test(tests, slow_links_are_left_to_bullet, 0, kind_kinds);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("mesh_multibody", tests);
 }

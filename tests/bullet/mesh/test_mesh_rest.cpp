@@ -296,9 +296,7 @@ END_TEST
 
 QC_TEST_MAIN()
 {
-    Suite* suite = suite_create("mesh_rest");
-    TCase* tests = tcase_create("mesh_rest");
-    tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
+    TCase* tests = qcMakeCase("mesh_rest");
     qcAddLoop(tests, a_mesh_cube_rests_on_any_floor, qc_floorCount);
     qcAddLoop(tests, five_meshes_in_a_bin_come_to_rest, 3);
 #ifdef QC_BUNNY
@@ -311,6 +309,5 @@ QC_TEST_MAIN()
     tcase_add_test(tests, a_cube_slides_over_inner_edges_as_over_a_plane);
     tcase_add_test(tests, walls_of_a_corner_have_manifolds_of_their_own);
     tcase_add_test(tests, compounds_with_mesh_children_rest_on_meshes_and_on_each_other);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("mesh_rest", tests);
 }

@@ -86,11 +86,8 @@ END_TEST
 
 QC_TEST_MAIN()
 {
-    Suite* suite = suite_create("mesh_rolling");
-    TCase* tests = tcase_create("mesh_rolling");
-    tcase_set_timeout(tests, 120);
+    TCase* tests = qcMakeCase("mesh_rolling");
     tcase_add_loop_test(tests, round_meshes_lose_no_more_speed_at_60_steps_a_second_than_at_960, 0, 3);
     tcase_add_loop_test(tests, round_meshes_that_roll_slowly_do_not_become_faster, 0, 3);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("mesh_rolling", tests);
 }

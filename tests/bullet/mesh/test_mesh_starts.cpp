@@ -133,11 +133,9 @@ END_TEST
 
 QC_TEST_MAIN()
 {
-    Suite* suite = suite_create("mesh_starts");
-    TCase* tests = tcase_create("mesh_starts");
+    TCase* tests = qcMakeCase("mesh_starts");
     tcase_add_loop_test(tests, what_is_put_behind_a_wall_is_there_where_a_character_walks, 0, order_kinds);
     tcase_add_loop_test(tests, fast_convex_shapes_pass_no_mesh_where_a_character_walks, 0, order_kinds);
     tcase_add_test(tests, what_is_put_behind_a_wall_is_there_after_a_query_with_a_compound);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("mesh_starts", tests);
 }

@@ -528,9 +528,7 @@ END_TEST
 
 QC_TEST_MAIN()
 {
-    Suite* suite = suite_create("mesh_through");
-    TCase* tests = tcase_create("mesh_through");
-    tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
+    TCase* tests = qcMakeCase("mesh_through");
     tcase_add_test(tests, a_thrown_sheet_of_two_triangles_does_not_pass_another);
     tcase_add_test(tests, thin_sheets_in_compounds_do_not_pass_each_other);
     tcase_add_test(tests, bodies_that_stop_each_other_do_not_hang_in_the_air);
@@ -550,6 +548,5 @@ QC_TEST_MAIN()
 #ifdef QC_BUNNY
     qcAddLoop(tests, bunnies_thrown_into_a_bin_meet_at_no_moment, s_starts);
 #endif
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("mesh_through", tests);
 }

@@ -26,10 +26,7 @@ struct qcShapeModel
 inline void qcAddModel(qcModel* model, qcModel other, const btTransform& transform)
 {
     other.Move(transform);
-    const uint32_t first = uint32_t(model->positions.size() / 3);
-    model->positions.insert(model->positions.end(), other.positions.begin(), other.positions.end());
-    for (uint32_t index : other.indices)
-        model->indices.push_back(first + index);
+    model->Append(other);
 }
 
 inline qcModel qcCapsuleModel(double radius, double half)

@@ -187,12 +187,9 @@ END_TEST
 
 QC_TEST_MAIN()
 {
-    Suite* suite = suite_create("cloth_friction");
-    TCase* tests = tcase_create("cloth_friction");
-    tcase_set_timeout(tests, 120); // a bound against hanging, not a claim about speed
+    TCase* tests = qcMakeCase("cloth_friction");
     tcase_add_loop_test(tests, a_strip_slides_off_a_table_where_its_weight_exceeds_its_friction, 0, 4);
     tcase_add_loop_test(tests, a_cloth_slides_down_another_one_as_friction_has_it, 0, 3);
     tcase_add_loop_test(tests, rigid_bodies_slide_down_a_cloth_as_friction_has_it, 0, 3);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("cloth_friction", tests);
 }

@@ -444,10 +444,8 @@ END_TEST
 
 QC_TEST_MAIN()
 {
-    Suite* suite = suite_create("mixed_worlds");
-    TCase* tests = tcase_create("mixed_worlds");
+    TCase* tests = qcMakeCase("mixed_worlds");
     tcase_set_timeout(tests, 1200); // a bound against hanging, not a claim about speed
     tcase_add_loop_test(tests, what_meets_in_a_mixed_world_is_counted, 0, 2);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("mixed_worlds", tests);
 }

@@ -426,15 +426,12 @@ END_TEST
 
 QC_TEST_MAIN()
 {
-    Suite* suite = suite_create("not_finite");
-    TCase* tests = tcase_create("not_finite");
-    tcase_set_timeout(tests, 300);
+    TCase* tests = qcMakeCase("not_finite");
     tcase_add_loop_test(tests, finite_bodies_move_as_without_one_that_is_not_a_number_until_it_is_mended, 0,
                         s_wayCount);
     tcase_add_loop_test(tests, finite_bodies_move_as_without_an_infinite_one, 0, s_lastWay);
     tcase_add_test(tests, settings_of_a_body_are_kept_while_it_is_not_finite);
     tcase_add_test(tests, a_world_may_have_no_finite_soft_body);
     tcase_add_test(tests, a_deformable_sheet_lies_beside_one_that_is_not_finite);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("not_finite", tests);
 }

@@ -337,9 +337,7 @@ END_TEST
 
 QC_TEST_MAIN()
 {
-    Suite* suite = suite_create("pressed_cloth");
-    TCase* tests = tcase_create("pressed_cloth");
-    tcase_set_timeout(tests, 120); // a bound against hanging, not a claim about speed
+    TCase* tests = qcMakeCase("pressed_cloth");
     tcase_add_loop_test(tests, cloth_under_a_body_of_any_mass_keeps_its_thickness, 0, 4);
     tcase_add_test(tests, layers_under_a_body_of_any_mass_keep_their_thickness);
     tcase_add_test(tests, a_tilted_body_of_any_mass_throws_no_node_of_the_cloth_under_it);
@@ -347,6 +345,5 @@ QC_TEST_MAIN()
     tcase_add_test(tests, deformable_cloth_under_a_body_of_any_mass_keeps_its_thickness);
     tcase_add_loop_test(tests, a_strip_stays_between_bodies_that_press_on_it, 0, 3);
     tcase_add_loop_test(tests, a_strip_between_bodies_slides_as_friction_has_it, 0, 2);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("pressed_cloth", tests);
 }

@@ -299,9 +299,7 @@ END_TEST
 
 QC_TEST_MAIN()
 {
-    Suite* suite = suite_create("soft bodies apart");
-    TCase* tests = tcase_create("apart");
-    tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
+    TCase* tests = qcMakeCase("soft bodies apart");
     qcAddLoop(tests, cloths_thrown_at_each_other_keep_momentum_and_gain_no_energy, 3);
     tcase_add_test(tests, planes_have_coulomb_friction);
 #ifdef QC_BUNNY
@@ -312,6 +310,5 @@ QC_TEST_MAIN()
     tcase_add_test(tests, untangling_throws_no_energy_in);
     tcase_add_test(tests, a_corner_that_begins_below_a_mesh_does_not_take_the_rest_through);
     tcase_add_test(tests, a_cloth_crushed_between_two_meshes_is_reported_and_not_thrown_away);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("soft bodies apart", tests);
 }

@@ -270,9 +270,7 @@ END_TEST
 
 QC_TEST_MAIN()
 {
-    Suite* suite = suite_create("between meshes");
-    TCase* tests = tcase_create("between");
-    tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
+    TCase* tests = qcMakeCase("between meshes");
     tcase_add_loop_test(tests, nothing_passes_where_two_thin_sheets_hit_a_cloth_from_both_sides, 0, 2);
     tcase_add_loop_test(tests, nothing_passes_where_two_cubes_hit_a_cloth_from_both_sides, 0, 2);
     tcase_add_loop_test(tests, a_heavy_cloth_does_not_push_a_sheet_through_a_sheet, 0, 2);
@@ -280,6 +278,5 @@ QC_TEST_MAIN()
     tcase_add_loop_test(tests, a_cloth_on_a_floor_is_not_pierced_by_stacked_sheets_that_are_hit, 0, 2);
     tcase_add_loop_test(tests, a_cloth_that_a_mesh_carries_along_does_not_pass_the_floor_that_it_meets_there, 0, 2);
     tcase_add_loop_test(tests, pieces_that_lie_close_do_not_pass_the_cloth_on_which_they_fall, 0, 2);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("between meshes", tests);
 }

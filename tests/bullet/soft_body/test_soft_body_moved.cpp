@@ -362,9 +362,7 @@ END_TEST
 
 QC_TEST_MAIN()
 {
-    Suite* suite = suite_create("moved objects");
-    TCase* tests = tcase_create("moved");
-    tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
+    TCase* tests = qcMakeCase("moved objects");
     tcase_add_loop_test(tests, a_plate_that_the_application_moves_takes_a_cloth_along, 0, KindCount);
     tcase_add_loop_test(tests, a_kinematic_plate_far_from_the_cloth_does_not_jump_over_it, MovedKinematic,
                         MotionStateKinematic + 1);
@@ -378,6 +376,5 @@ QC_TEST_MAIN()
     tcase_add_test(tests, a_cloth_at_rest_that_the_application_moves_stays_at_rest);
     tcase_add_test(tests, a_cloth_that_falls_asleep_above_a_mesh_passes_it_neither_then_nor_later);
     tcase_add_test(tests, a_body_that_the_tick_callback_removes_holds_nothing);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("moved objects", tests);
 }

@@ -797,9 +797,7 @@ END_TEST
 
 QC_TEST_MAIN()
 {
-    Suite* suite = suite_create("soft_multibody");
-    TCase* tests = tcase_create("soft_multibody");
-    tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
+    TCase* tests = qcMakeCase("soft_multibody");
     const TTest* const all[] = {a_link_passes_no_cloth,
                                 nor_does_a_body_that_its_factors_guide,
                                 a_driven_arm_sweeps_a_cloth_aside,
@@ -823,6 +821,5 @@ QC_TEST_MAIN()
     // Each in the classic world, and in the deformable one.
     for (const TTest* test : all)
         tcase_add_loop_test(tests, test, 0, 2);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("soft_multibody", tests);
 }

@@ -402,9 +402,9 @@ END_TEST
 START_TEST(a_terrain_at_the_address_of_a_deleted_one_is_read_anew)
 {
     qcSoftWorld soft;
-    btSoftBody* cloth = btSoftBodyHelpers::CreatePatch(
-        soft.world.getWorldInfo(), btVector3(-1, btScalar(0.9), -1), btVector3(1, btScalar(0.9), -1),
-        btVector3(-1, btScalar(0.9), 1), btVector3(1, btScalar(0.9), 1), 9, 9, 0, true);
+    btSoftBody* cloth = btSoftBodyHelpers::CreatePatch(soft.world.getWorldInfo(), btVector3(-1, btScalar(0.9), -1),
+                                                       btVector3(1, btScalar(0.9), -1), btVector3(-1, btScalar(0.9), 1),
+                                                       btVector3(1, btScalar(0.9), 1), 9, 9, 0, true);
     cloth->setTotalMass(1);
     soft.world.addSoftBody(cloth);
     soft.cloths.push_back(cloth);
@@ -518,9 +518,7 @@ END_TEST
 
 QC_TEST_MAIN()
 {
-    Suite* suite = suite_create("soft shapes");
-    TCase* tests = tcase_create("shapes");
-    tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
+    TCase* tests = qcMakeCase("soft shapes");
     qcAddLoop(tests, thrown_cloth_passes_no_shape, 3 * qc_shapeCount);
     tcase_add_loop_test(tests, a_cloth_of_20000_triangles_passes_no_pole_and_no_sphere, 0, 2);
     qcAddLoop(tests, thrown_cloth_passes_no_shape_in_the_deformable_world, qc_shapeCount);
@@ -540,6 +538,5 @@ QC_TEST_MAIN()
     tcase_add_test(tests, cloth_anchored_inside_a_shape_hangs_from_it);
     tcase_add_test(tests, shapes_far_from_soft_bodies_are_not_read);
     tcase_add_test(tests, two_runs_agree_bit_by_bit_for_any_number_of_threads);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("soft shapes", tests);
 }

@@ -308,9 +308,7 @@ END_TEST
 
 QC_TEST_MAIN()
 {
-    Suite* suite = suite_create("soft tangles");
-    TCase* tests = tcase_create("tangles");
-    tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
+    TCase* tests = qcMakeCase("soft tangles");
     qcAddLoop(tests, what_starts_tangled_comes_apart_and_is_not_thrown, s_sceneCount);
     qcAddLoop(tests, nothing_passes_away_from_a_tangle, s_sceneCount);
     tcase_add_test(tests, the_smaller_part_goes_back_to_the_side_of_the_larger_one);
@@ -320,6 +318,5 @@ QC_TEST_MAIN()
     tcase_add_loop_test(tests, surfaces_that_touch_at_the_start_come_apart, 0, 2);
     tcase_add_test(tests, cloths_that_cross_along_common_positions_fall_freely_and_come_apart);
     tcase_add_test(tests, cloths_that_move_as_one_keep_spinning);
-    suite_add_tcase(suite, tests);
-    return qcRunSuite(suite);
+    return qcRunCase("soft tangles", tests);
 }
