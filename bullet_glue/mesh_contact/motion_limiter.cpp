@@ -44,6 +44,37 @@ btScalar LostPart(const qcSweptObject& swept)
     return all > 0 ? btClamped(1 - made / all, btScalar(0), btScalar(1)) : 1 - swept.fraction;
 }
 
+/// Velocities of a body, or a change of them.
+struct Velocities
+{
+    btVector3 linear, angular;
+};
+
+/// The part of a force's gain of velocity that a velocity still has, at most `limit`: contact takes it from what rests.
+/// `change`: of the velocity since the step's start.
+btScalar KeptPart(const btVector3& force, const btVector3& gain, const btVector3& change, btScalar limit)
+{
+    const btScalar all = force.dot(gain);
+    return all > 0 ? btClamped(force.dot(change) / all, btScalar(0), limit) : btScalar(0);
+}
+
+/// Takes back what forces have done to a body's velocities for the motion that it does not make.
+void TakeBackForces(qcSweptObject* swept, btScalar timeStep)
+{
+    btRigidBody* body = swept->body;
+    const btScalar lost = LostPart(*swept), left = 1 - swept->lost;
+    const btVector3 force = body->getTotalForce(), torque = body->getTotalTorque();
+    const Velocities now{body->getLinearVelocity(), body->getAngularVelocity()};
+    const Velocities gain{force * (body->getInvMass() * timeStep),
+                          body->getInvInertiaTensorWorld() * torque * timeStep};
+    const Velocities change =
+        swept->before ? Velocities{now.linear - swept->before->linear, now.angular - swept->before->angular} : gain;
+    body->setLinearVelocity(now.linear - gain.linear * (lost * KeptPart(force, gain.linear, change.linear, left)));
+    body->setAngularVelocity(now.angular -
+                             gain.angular * (lost * KeptPart(torque, gain.angular, change.angular, left)));
+    swept->lost += left * lost;
+}
+
 /// The angular velocity turns with the body from where Bullet has moved it: a slender one that spins about its axis
 /// would gain energy if it were tilted only.
 void TurnSpin(const qcSweptObject& swept)
@@ -349,8 +380,9 @@ void qcMotionLimiter::Cut(int round)
     m_islands.Move();
 }
 
-/// Moves a body. One that makes a part of its motion gets that part of the step's forces, so that it gains no energy
-/// from a fall that it doesn't make; one that is carried has the carrier's velocity.
+/// Moves a body. One that makes a part of its motion keeps that part of what the step's forces have done to its
+/// velocities, so that it gains no energy from a fall that it doesn't make; one that is carried has the carrier's
+/// velocity.
 void qcMotionLimiter::Commit(qcSweptObject* swept, btScalar timeStep) const
 {
     btRigidBody* body = swept->body;
@@ -365,13 +397,8 @@ void qcMotionLimiter::Commit(qcSweptObject* swept, btScalar timeStep) const
     }
     else
     {
-        btScalar lost = LostPart(*swept) * (1 - swept->lost);
-        body->setLinearVelocity(body->getLinearVelocity() -
-                                body->getTotalForce() * (body->getInvMass() * lost * timeStep));
-        body->setAngularVelocity(body->getAngularVelocity() -
-                                 body->getInvInertiaTensorWorld() * body->getTotalTorque() * (lost * timeStep));
+        TakeBackForces(swept, timeStep);
         TurnSpin(*swept);
-        swept->lost += lost;
     }
     swept->isLimited = true;
     body->proceedToTransform(swept->end);

@@ -4,12 +4,14 @@
 
 #include "mesh_contact/bisection.h"
 #include "mesh_contact/batch_scene.h"
+#include "mesh_contact/rigid_motion.h"
 #include "mesh_contact/swept_mesh.h"
 #include "mesh_contact/swept_multibody.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
+#include <optional>
 
 /// A static plane under a small mesh. Limits move the mesh no deeper into it than it was at the target.
 struct qcSweptFloor
@@ -52,9 +54,11 @@ struct qcSweptObject
     bool isNew = true;                     ///< in its first step
     bool wasActive = false;                ///< a dynamic body that did not sleep when contact was searched
     bool wasFinite = true;                 ///< when the step started
-    bool moves = false;                    ///< its end is not its start
-    const qcBatchObject* known = nullptr;  ///< the object in the scene of contact, or null
-    bool isLookedUp = false;               ///< `known` is of this step
+    /// Of a body, when contact was searched: without the step's forces. Empty: nothing had contact.
+    std::optional<qcRigidMotion> before;
+    bool moves = false;                   ///< its end is not its start
+    const qcBatchObject* known = nullptr; ///< the object in the scene of contact, or null
+    bool isLookedUp = false;              ///< `known` is of this step
     btTransform start, target; ///< before and after the step; the target is Bullet's, or where planes have pushed it
     btTransform carried;       ///< the start, moved by the common motion of its island
     btTransform end;           ///< after the step, as the limiter has it so far

@@ -143,6 +143,7 @@ void qcSweptObjects::MarkStarts()
             swept->next = objects[i]->getWorldTransform();
             swept->wasActive = objects[i]->isActive();
             swept->wasFinite = qcIsFinite(*objects[i]);
+            swept->before.emplace(objects[i]);
         }
         else if (objects[i]->getCcdSquareMotionThreshold() > 0)
             m_continuousStarts.emplace(qcObjectKey(objects[i]), objects[i]->getWorldTransform());
@@ -541,6 +542,8 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
         swept->start = swept->next;
         swept->lost = 0;
         swept->isLimited = false;
+        if (!m_isMarked)
+            swept->before.reset();
     }
     EndDeformations();
     m_timeStep = timeStep;

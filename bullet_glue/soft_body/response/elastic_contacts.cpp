@@ -11,6 +11,9 @@
 
 namespace
 {
+// Cosines: normals of one side of a body, and of opposite ones.
+constexpr btScalar s_sameSide = btScalar(0.9), s_oppositeSide = btScalar(0.5);
+
 bool IsElastic(const qcSceneSoftBody& soft)
 {
     return soft.moves && soft.body->isActive() && soft.body->m_tetras.size() > 0;
@@ -49,8 +52,8 @@ bool qcElasticContacts::MakeKept(qcSoftBodyScene& scene, const qcSoftTangles& ta
     if (constraint.rigid == nullptr)
         return softs[0] != softs[1] && !tangles.AreTangled(softs[0]->id.slot, softs[1]->id.slot);
     kept->rigid = qcHeldPointOf(constraint);
-    // Joints carry the load of guided bodies, and are solved elsewhere.
-    return (!constraint.rigid->CanMove() || constraint.rigid->IsFree()) &&
+    // The joints of links carry their load, and are solved elsewhere.
+    return (!constraint.rigid->CanMove() || (constraint.rigid->body != nullptr && !constraint.rigid->isFixed)) &&
            !tangles.AreTangled(*softs[0], *constraint.rigid);
 }
 
@@ -82,7 +85,7 @@ bool qcElasticContacts::AddRigidSide(const Kept& kept, qcPresentObjects* present
     if (body == nullptr || body->isStaticOrKinematicObject())
         return true;
     // Bullet has not moved what sleeps.
-    if (!body->isActive() || !qcIsFree(*body))
+    if (!body->isActive())
         return false;
     spring->rigid = m_system.AddRigid(body);
     return true;
@@ -129,16 +132,45 @@ void qcElasticContacts::AddSpring(qcSoftBodyScene& scene, const Kept& kept, qcPr
     m_sides.push_back({{softs[0], softs[1]}});
 }
 
-/// Leaves only the springs of bodies that carry or press another body that can move. Others rest on what is fixed: the
-/// contacts that follow stop these as well.
+/// True if what is fixed presses a body from opposite sides.
+bool qcElasticContacts::IsSqueezed(const qcSceneSoftBody& soft) const
+{
+    std::vector<btVector3> normals; // different ones
+    for (size_t i = 0; i < m_springs.size(); i++)
+    {
+        const btVector3& normal = m_springs[i].normal;
+        if (m_sides[i].soft[0] != &soft || !m_springs[i].isClosed ||
+            std::any_of(normals.begin(), normals.end(),
+                        [&normal](const btVector3& other) { return normal.dot(other) > s_sameSide; }))
+            continue;
+        if (std::any_of(normals.begin(), normals.end(),
+                        [&normal](const btVector3& other) { return normal.dot(other) < -s_oppositeSide; }))
+            return true;
+        normals.push_back(normal);
+    }
+    return false;
+}
+
+/// Leaves only the springs of bodies that carry or press another body that can move, or are squeezed. Others rest on
+/// what is fixed: the contacts that follow stop these as well.
 void qcElasticContacts::LeaveUnloaded()
 {
     m_loaded.clear();
+    auto add = [this](qcSceneSoftBody* soft)
+    {
+        if (soft != nullptr && std::find(m_loaded.begin(), m_loaded.end(), soft) == m_loaded.end())
+            m_loaded.push_back(soft);
+    };
+    std::vector<qcSceneSoftBody*> resting;
     for (size_t i = 0; i < m_springs.size(); i++)
         if (m_springs[i].isClosed && (m_springs[i].rigid >= 0 || m_sides[i].soft[1] != nullptr))
             for (qcSceneSoftBody* soft : m_sides[i].soft)
-                if (soft != nullptr && std::find(m_loaded.begin(), m_loaded.end(), soft) == m_loaded.end())
-                    m_loaded.push_back(soft);
+                add(soft);
+        else if (resting.empty() || resting.back() != m_sides[i].soft[0])
+            resting.push_back(m_sides[i].soft[0]);
+    for (qcSceneSoftBody* soft : resting)
+        if (std::find(m_loaded.begin(), m_loaded.end(), soft) == m_loaded.end() && IsSqueezed(*soft))
+            m_loaded.push_back(soft);
     size_t count = 0;
     for (size_t i = 0; i < m_springs.size(); i++)
         if (std::find(m_loaded.begin(), m_loaded.end(), m_sides[i].soft[0]) != m_loaded.end())

@@ -46,6 +46,7 @@ class qcElasticContacts
     bool AddRigidSide(const Kept& kept, qcPresentObjects* present, const qcSceneSoftBody& soft, btVector3* start,
                       btVector3* end, qcElasticSpring* spring);
     void AddSpring(qcSoftBodyScene& scene, const Kept& kept, qcPresentObjects* present);
+    bool IsSqueezed(const qcSceneSoftBody& soft) const;
     void LeaveUnloaded();
 
     std::vector<Kept> m_kept;

@@ -19,12 +19,49 @@ constexpr btScalar s_tolerance = btScalar(0.03);
 constexpr int s_checkInterval = 4;
 // Changes of a friction's share that are worth another round.
 constexpr btScalar s_heldChange = btScalar(0.1);
+// In the system, locked directions of a body give way by this part of what free ones do; the body does not.
+constexpr btScalar s_locked = btScalar(1e-6);
 // Steps after which what resists single nodes is found anew.
 constexpr int s_maxAge = 100;
 
+btMatrix3x3 OnDiagonal(const btVector3& d)
+{
+    return btMatrix3x3(d.x(), 0, 0, 0, d.y(), 0, 0, 0, d.z());
+}
+
 btMatrix3x3 Scaled(btScalar s)
 {
-    return btMatrix3x3(s, 0, 0, 0, s, 0, 0, 0, s);
+    return OnDiagonal(btVector3(s, s, s));
+}
+
+/// What resists a body's translation along the axes.
+btMatrix3x3 MassOf(const btRigidBody& body)
+{
+    btVector3 motion = body.getLinearFactor();
+    motion.setMax(btVector3(s_locked, s_locked, s_locked));
+    motion *= body.getInvMass();
+    return OnDiagonal(btVector3(1, 1, 1) / motion);
+}
+
+/// What resists a body's rotation about the axes.
+btMatrix3x3 InertiaOf(const btRigidBody& body)
+{
+    const btMatrix3x3& inverse = body.getInvInertiaTensorWorld();
+    if (qcIsFree(body))
+        return inverse.inverse();
+    const btVector3& factor = body.getAngularFactor();
+    const btMatrix3x3 roots =
+        OnDiagonal(btVector3(btSqrt(btMax(factor.x(), btScalar(0))), btSqrt(btMax(factor.y(), btScalar(0))),
+                             btSqrt(btMax(factor.z(), btScalar(0)))));
+    const btScalar mean = (inverse[0][0] + inverse[1][1] + inverse[2][2]) / 3;
+    const btScalar unit = mean > 0 ? mean : body.getInvMass();
+    return ((roots * inverse * roots) * (1 / unit) + Scaled(s_locked)).inverse() * (1 / unit);
+}
+
+/// One where a factor lets a body move, and zero where it is locked.
+btVector3 FreedomOf(const btVector3& factor)
+{
+    return btVector3(btScalar(factor.x() > 0), btScalar(factor.y() > 0), btScalar(factor.z() > 0));
 }
 
 /// The stiffness of a spring in all directions of space.
@@ -100,7 +137,7 @@ int qcElasticSystem::AddRigid(btRigidBody* body)
     auto found =
         std::find_if(m_rigids.begin(), m_rigids.end(), [body](const Rigid& rigid) { return rigid.body == body; });
     if (found == m_rigids.end())
-        found = m_rigids.insert(found, {body, 1 / body->getInvMass(), body->getInvInertiaTensorWorld().inverse()});
+        found = m_rigids.insert(found, {body, MassOf(*body), InertiaOf(*body)});
     return int(found - m_rigids.begin());
 }
 
@@ -245,7 +282,7 @@ void qcElasticSystem::FindBlocks()
     }
     for (int i = 0; i < int(m_rigids.size()); i++)
     {
-        m_inverses[size_t(At(i))] = Scaled(m_rigids[size_t(i)].mass);
+        m_inverses[size_t(At(i))] = m_rigids[size_t(i)].mass;
         m_inverses[size_t(At(i)) + 1] = m_rigids[size_t(i)].inertia;
     }
     for (const qcElasticSpring& spring : *m_springs)
@@ -414,7 +451,8 @@ void qcElasticSystem::Apply() const
     for (int i = 0; i < int(m_rigids.size()); i++)
     {
         btRigidBody& body = *m_rigids[size_t(i)].body;
-        const qcRigidDisplacement by = {m_x[At(i) + 1], m_x[At(i)]};
+        const qcRigidDisplacement by = {m_x[At(i) + 1] * FreedomOf(body.getAngularFactor()),
+                                        m_x[At(i)] * FreedomOf(body.getLinearFactor())};
         body.setLinearVelocity(body.getLinearVelocity() + by.linear / m_timeStep);
         body.setAngularVelocity(body.getAngularVelocity() + by.angular / m_timeStep);
         body.setCenterOfMassTransform(qcDisplaced(body.getWorldTransform(), by));

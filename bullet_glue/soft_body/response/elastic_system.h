@@ -34,7 +34,7 @@ class qcElasticSystem
 
     /// Empties the system; the solution of the last step stays, as the first guess of the next.
     void Begin();
-    /// The index of a free dynamic body, for springs.
+    /// The index of a dynamic body, for springs. Its factors guide it.
     int AddRigid(btRigidBody* body);
     /// Finds the displacements, and which springs are closed: those that push. `bodies`: all that have nodes in
     /// springs. False: there is no finite solution, or Bullet's numbers of nodes are those of other bodies.
@@ -47,8 +47,7 @@ class qcElasticSystem
     struct Rigid
     {
         btRigidBody* body;
-        btScalar mass;
-        btMatrix3x3 inertia;
+        btMatrix3x3 mass, inertia;
     };
 
     /// The element of a rigid body's translation; that of its rotation follows.

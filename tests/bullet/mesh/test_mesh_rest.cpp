@@ -211,6 +211,28 @@ START_TEST(a_chain_of_tori_never_comes_apart_and_comes_to_rest)
 }
 END_TEST
 
+START_TEST(a_long_step_throws_no_pile_into_the_air)
+{
+    // Contact has taken the step's gravity from what rests: limits, which move it a little, don't take it once more.
+    int limited = 0;
+    for (btScalar step : {btScalar(0.25), btScalar(0.5)})
+    {
+        qcMeshWorld world;
+        world.Add(world.Keep(qcFloorModel(20, 20).MakeShape()), 0, btVector3(0, 0, 0));
+        const btVector3 half(btScalar(0.3), btScalar(0.2), btScalar(0.25));
+        btCollisionShape* shape = world.Keep(qcBoxModel(half, 2).MakeShape());
+        for (int i = 0; i < 2; i++)
+            world.Add(shape, 1, btVector3(0, btScalar(0.4 + 0.45 * i), 0))->setActivationState(DISABLE_DEACTIVATION);
+        world.Step(200);
+        world.world.stepSimulation(step, 0);
+        limited += world.contact.getStatistics().limited;
+        for (size_t i = 1; i < world.bodies.size(); i++)
+            ck_assert_double_lt(double(world.bodies[i]->getLinearVelocity().y()), 0.1);
+    }
+    ck_assert_int_gt(limited, 0);
+}
+END_TEST
+
 START_TEST(a_cube_slides_over_inner_edges_as_over_a_plane)
 {
     // Along an edge, and across all of them.
@@ -306,6 +328,7 @@ QC_TEST_MAIN()
     tcase_add_test(tests, a_resting_cube_falls_asleep_and_costs_nothing);
     tcase_add_test(tests, bullets_convex_shapes_rest_on_a_mesh_and_a_mesh_on_them);
     tcase_add_test(tests, a_chain_of_tori_never_comes_apart_and_comes_to_rest);
+    tcase_add_test(tests, a_long_step_throws_no_pile_into_the_air);
     tcase_add_test(tests, a_cube_slides_over_inner_edges_as_over_a_plane);
     tcase_add_test(tests, walls_of_a_corner_have_manifolds_of_their_own);
     tcase_add_test(tests, compounds_with_mesh_children_rest_on_meshes_and_on_each_other);

@@ -115,20 +115,33 @@ struct LoadWorld : qcDeformableTestWorld<qcDeformableWorld>
     }
 };
 
+double VolumeOf(const btSoftBody::Tetra& tetra)
+{
+    btVector3 edge[3];
+    for (int k = 0; k < 3; k++)
+        edge[k] = tetra.m_n[k + 1]->m_x - tetra.m_n[0]->m_x;
+    return double(edge[0].cross(edge[1]).dot(edge[2])) / 6;
+}
+
 /// The smallest volume of a tetrahedron, as a share of that at rest.
 double SmallestVolume(const btSoftBody* body)
 {
     double smallest = std::numeric_limits<double>::max();
     for (int i = 0; i < body->m_tetras.size(); i++)
-    {
-        const btSoftBody::Tetra& tetra = body->m_tetras[i];
-        btVector3 edge[3];
-        for (int k = 0; k < 3; k++)
-            edge[k] = tetra.m_n[k + 1]->m_x - tetra.m_n[0]->m_x;
-        smallest =
-            std::min(smallest, double(edge[0].cross(edge[1]).dot(edge[2])) / (6 * double(tetra.m_element_measure)));
-    }
+        smallest = std::min(smallest, VolumeOf(body->m_tetras[i]) / double(body->m_tetras[i].m_element_measure));
     return smallest;
+}
+
+/// The volume of a body, as a share of that at rest.
+double WholeVolume(const btSoftBody* body)
+{
+    double volume = 0, atRest = 0;
+    for (int i = 0; i < body->m_tetras.size(); i++)
+    {
+        volume += VolumeOf(body->m_tetras[i]);
+        atRest += double(body->m_tetras[i].m_element_measure);
+    }
+    return volume / atRest;
 }
 
 START_TEST(a_cube_carries_many_times_its_mass)
@@ -147,6 +160,90 @@ START_TEST(a_cube_carries_many_times_its_mass)
             ck_assert_double_lt(double(qcSpeedOf(cube)), times > 20 ? 0.3 : 0.1);
             ck_assert_double_lt(double(box->getLinearVelocity().length()), times > 20 ? 0.3 : 0.1);
         }
+}
+END_TEST
+
+START_TEST(a_load_whose_factors_guide_it_is_carried_as_a_free_one)
+{
+    btScalar height[3];
+    for (int i = 0; i < 3; i++)
+    {
+        LoadWorld world(btVector3(0, -10, 0));
+        btSoftBody* cube = world.AddCube(btScalar(0.02), s_cubeMass);
+        btRigidBody* box = world.AddBox(btScalar(1.25), 10 * s_cubeMass);
+        if (i > 0)
+            box->setAngularFactor(0);
+        if (i > 1)
+            box->setLinearFactor(btVector3(0, 1, 0));
+        world.Step(240);
+        ck_assert_double_gt(SmallestVolume(cube), 0.7);
+        ck_assert_double_lt(double(box->getLinearVelocity().length()), 0.1);
+        const btVector3 place = box->getWorldTransform().getOrigin();
+        height[i] = place.y();
+        ck_assert_double_lt(double(btVector3(place.x(), 0, place.z()).length()), i > 1 ? 1e-6 : 0.05);
+        if (i > 0)
+            ck_assert_double_lt(double(box->getWorldTransform().getRotation().getAngle()), 1e-4);
+    }
+    ck_assert_double_eq_tol(double(height[1]), double(height[0]), 0.01);
+    ck_assert_double_eq_tol(double(height[2]), double(height[0]), 0.01);
+}
+END_TEST
+
+/// The volume of a cube whose sides are 0.66 apart, as a share of that at rest. `presses`: kinematic boxes press these
+/// together, in a second; otherwise their nodes are moved.
+double VolumeOfSqueezed(bool presses)
+{
+    btBoxShape plateShape(btVector3(btScalar(0.1), 1, 1));
+    plateShape.setMargin(btScalar(0.01));
+    LoadWorld world(btVector3(0, 0, 0));
+    btSoftBody* cube = world.AddCube(2, s_cubeMass);
+    std::vector<int> sides[2];
+    btRigidBody* plates[2] = {nullptr, nullptr};
+    for (int side = 0; side < 2; side++)
+        for (int i = 0; i < cube->m_nodes.size(); i++)
+            if (btFabs(cube->m_nodes[i].m_x.x() - (btScalar(side) - btScalar(0.5))) < btScalar(0.01))
+                sides[side].push_back(i);
+    for (int side = 0; side < 2 && presses; side++)
+    {
+        world.boxes.emplace_back(new btRigidBody(0, nullptr, &plateShape));
+        plates[side] = world.boxes.back().get();
+        plates[side]->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+        plates[side]->setActivationState(DISABLE_DEACTIVATION);
+        plates[side]->setFriction(2);
+        plates[side]->setWorldTransform(
+            btTransform(btQuaternion::getIdentity(), btVector3(btScalar(side == 0 ? -0.65 : 0.65), btScalar(2.5), 0)));
+        world.world->addRigidBody(plates[side]);
+    }
+    for (int side = 0; side < 2 && !presses; side++)
+        for (int node : sides[side])
+            cube->setMass(node, 0);
+    const int steps = 120;
+    for (int i = 1; i <= 3 * steps; i++)
+    {
+        const btScalar half = btScalar(0.5) - btScalar(0.17) * btScalar(std::min(i, steps)) / btScalar(steps);
+        for (int side = 0; side < 2; side++)
+        {
+            const btScalar x = side == 0 ? -half : half;
+            if (presses)
+                // The cube has a margin of 0.02.
+                plates[side]->setWorldTransform(btTransform(
+                    btQuaternion::getIdentity(), btVector3(x * (1 + btScalar(0.12) / half), btScalar(2.5), 0)));
+            else
+                for (int node : sides[side])
+                    cube->m_nodes[node].m_x.setX(x), cube->m_nodes[node].m_q.setX(x);
+        }
+        world.Step(1);
+    }
+    ck_assert_double_gt(SmallestVolume(cube), 0);
+    ck_assert_double_lt(double(qcSpeedOf(cube)), 0.05);
+    return WholeVolume(cube);
+}
+
+START_TEST(a_cube_that_is_squeezed_keeps_its_stiffness)
+{
+    const double squeezed = VolumeOfSqueezed(true), reference = VolumeOfSqueezed(false);
+    printf("squeezed cube: %.1f %% of its volume, by its nodes %.1f %%\n", 100 * squeezed, 100 * reference);
+    ck_assert_double_eq_tol(squeezed, reference, 0.03);
 }
 END_TEST
 
@@ -230,5 +327,7 @@ START_TEST(a_load_may_go)
 END_TEST
 } // namespace
 
-QC_RUN_TESTS("loaded_bodies", a_cube_carries_many_times_its_mass, a_light_cube_carries_a_heavy_one,
-             momentum_is_kept_and_energy_does_not_grow, friction_holds_a_load, a_load_may_go)
+QC_RUN_TESTS("loaded_bodies", a_cube_carries_many_times_its_mass,
+             a_load_whose_factors_guide_it_is_carried_as_a_free_one, a_cube_that_is_squeezed_keeps_its_stiffness,
+             a_light_cube_carries_a_heavy_one, momentum_is_kept_and_energy_does_not_grow, friction_holds_a_load,
+             a_load_may_go)
