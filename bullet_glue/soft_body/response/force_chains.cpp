@@ -200,7 +200,7 @@ void qcForceChains::Measure(const std::vector<qcSoftConstraint>& constraints, Ch
         distance += m_members[m].share * constraint.distance;
         if (m > chain->firstMember)
             continue;
-        const btVector3 motion = offset - constraint.startOffset;
+        const btVector3 motion = offset - constraint.startOffset - constraint.conveyed;
         chain->sliding = motion - chain->normal * chain->normal.dot(motion);
     }
     const btScalar tolerance = s_chainTolerance * distance;

@@ -67,7 +67,7 @@ void Fill(const qcSceneSoftBody& soft, const qcHeldContact& held, const btVector
 qcHeldPoint qcHeldPointOf(const qcSoftConstraint& constraint)
 {
     const btTransform& now = constraint.rigid->object->getWorldTransform();
-    return {qcObjectKey(constraint.rigid->object), now * constraint.place, constraint.place,
+    return {qcObjectKey(constraint.rigid->object), now * constraint.place - constraint.conveyed, constraint.place,
             now.getBasis().transpose() * constraint.normal};
 }
 

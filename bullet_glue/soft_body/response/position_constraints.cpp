@@ -96,7 +96,7 @@ bool Solve(qcSoftConstraint& constraint)
         return false;
     Push(constraint, constraint.normal * (constraint.pushed - previous));
     // Coulomb friction takes back sliding since the start.
-    btVector3 motion = offset - constraint.startOffset;
+    btVector3 motion = offset - constraint.startOffset - constraint.conveyed;
     btVector3 sliding = motion - constraint.normal * constraint.normal.dot(motion);
     btVector3 taken = previousTaken;
     if (sliding.length() > SIMD_EPSILON)
@@ -271,6 +271,7 @@ bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], con
     constraint->friction = soft.FrictionOn(*rigid.object);
     // What lies on a shape that has other triangles now goes with them at once.
     Orient(thickness, normal, rigid.isReshaped, constraint);
+    constraint->conveyed = rigid.ConveyedAt(constraint->point, constraint->normal);
     // Contact wakes the rigid body, as Bullet's own contact of soft bodies does. It moves from the next step on.
     if (soft.moves)
         rigid.Wake();

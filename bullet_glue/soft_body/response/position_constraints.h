@@ -50,6 +50,7 @@ struct qcSoftConstraint
     btVector3 point, arm;              ///< there at the last Commit; the arm is from the object's centre to the point
     btVector3 normal;
     btVector3 startOffset{0, 0, 0}; ///< the weighted sum at the start of the step
+    btVector3 conveyed{0, 0, 0};    ///< motion of the mesh's surface in the step: see qcSceneRigid::ConveyedAt
     btScalar distance = 0;
     btScalar missing = 0;   ///< of the thickness, at the start of the step; a part of it is to be restored
     bool isTangled = false; ///< its two bodies are

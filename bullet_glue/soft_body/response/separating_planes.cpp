@@ -113,7 +113,7 @@ struct Corners
         Corner made;
         made.start = rigid.StartOf(*side->mesh, vertex);
         made.end = EndOfMesh(*side, vertex, &made.arm);
-        made.motion = made.end - made.start;
+        made.motion = made.end - made.start + rigid.ConveyedAt(made.end, outward);
         made.height = outward.dot(made.end - origin);
         made.startHeight = outward.dot(made.start - origin);
         made.inverseMass = outward.dot(rigid.DisplacementAt(made.arm, outward));

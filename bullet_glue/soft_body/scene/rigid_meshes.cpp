@@ -81,8 +81,17 @@ void RemoveMeshes(qcScene* scene, const qcSceneRigid& rigid)
             qcScene_RemoveBody(scene, mesh.id);
 }
 
+/// The motion of the surface of what stays in place, by its velocities.
+qcRigidDisplacement ConveyedBy(const btCollisionObject& object, const btTransform& start, btScalar timeStep)
+{
+    const btRigidBody* body = btRigidBody::upcast(&object);
+    if (body == nullptr || !body->isStaticOrKinematicObject() || !qcAreSame(start, body->getWorldTransform()))
+        return {};
+    return {body->getAngularVelocity() * timeStep, body->getLinearVelocity() * timeStep};
+}
+
 /// Reads what may differ in each step.
-void ReadState(qcSceneRigid* rigid, const btTransform& start)
+void ReadState(qcSceneRigid* rigid, const btTransform& start, btScalar timeStep)
 {
     btRigidBody* body = btRigidBody::upcast(rigid->object);
     bool isPushed = body != nullptr && body->isActive() && !body->isStaticOrKinematicObject();
@@ -98,6 +107,7 @@ void ReadState(qcSceneRigid* rigid, const btTransform& start)
     rigid->start = start;
     rigid->moved = rigid->recovered = qcRigidDisplacement();
     rigid->fromStart = rigid->isFixed = false;
+    rigid->conveyed = ConveyedBy(*rigid->object, start, timeStep);
 }
 } // namespace
 
@@ -115,6 +125,7 @@ void qcSoftBodyMeshes::BeginStep(const std::set<btBroadphaseInterface*>& broadph
 void qcSoftBodyMeshes::ReadMotions(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep,
                                    const qcRigidLimits* limits)
 {
+    m_timeStep = timeStep;
     m_starts.Read(broadphases, timeStep, limits);
     m_candidates.clear();
     for (const qcObjectStarts::Present& present : m_starts.Objects())
@@ -455,7 +466,7 @@ void qcSoftBodyMeshes::AddLinks()
 qcStatus qcSoftBodyMeshes::Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid)
 {
     qcActivity previous = rigid->activity;
-    ReadState(rigid.get(), m_starts.StartOf(rigid->object));
+    ReadState(rigid.get(), m_starts.StartOf(rigid->object), m_timeStep);
     FindMultiBody(rigid.get());
     rigid->isGuided = rigid->CanMove() && !rigid->IsFree();
     qcStatus status = qc_statusOk;

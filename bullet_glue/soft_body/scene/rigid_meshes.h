@@ -112,6 +112,7 @@ class qcSoftBodyMeshes
     void IndexSlots();
     void RecordEnds();
 
+    btScalar m_timeStep = 0;
     qcObjectStarts m_starts;
     std::vector<qcObjectStarts::Present> m_candidates; ///< the objects of the step that may have meshes
     qcSurfaceCache m_surfaces;

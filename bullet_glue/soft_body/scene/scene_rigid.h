@@ -26,6 +26,9 @@ struct qcSceneRigid
     btTransform start = btTransform::getIdentity();  ///< of the object, at the start of the step
     btTransform solved = btTransform::getIdentity(); ///< of the object, after Bullet's own solvers
 
+    /// Of its surface in the step, where it stays in place and has velocities: a conveyor belt.
+    qcRigidDisplacement conveyed;
+
     bool isGuided = false;         ///< it can move, and not in all directions alike: joints or factors guide it
     qcRigidDisplacement pushed;    ///< of its body, by contacts since the last Commit
     qcRigidDisplacement moved;     ///< of its body, by Commit since the last UpdateVelocities
@@ -61,6 +64,12 @@ struct qcSceneRigid
     const qcRigidDisplacement& Pushed() const
     {
         return multibody != nullptr ? multibody->Displacement(link) : pushed;
+    }
+    /// The motion of its surface in the step, as that of a conveyor belt, without what is along the normal.
+    btVector3 ConveyedAt(const btVector3& point, const btVector3& normal) const
+    {
+        const btVector3 motion = conveyed.At(point - object->getWorldTransform().getOrigin());
+        return motion - normal * normal.dot(motion);
     }
     /// Wakes it, and its multibody, if Bullet moves it and it sleeps.
     void Wake() const;

@@ -1,6 +1,6 @@
 // Friction of cloth is Coulomb's, at every time step: a strip that hangs over the edge of a table slides off where the
 // weight of what hangs exceeds the friction of what lies, and stays otherwise; cloths and rigid bodies slide down a
-// cloth, or stay.
+// cloth, or stay. A conveyor belt carries it.
 #include "bullet/soft_body/soft_world.h"
 
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
@@ -183,6 +183,60 @@ START_TEST(rigid_bodies_slide_down_a_cloth_as_friction_has_it)
         }
 }
 END_TEST
+/// A cloth of 1 m on a belt: a box that stays in place and has velocities.
+struct Conveyor
+{
+    qcSoftWorld made;
+    btBoxShape shape{btVector3(5, btScalar(0.5), 5)};
+    btRigidBody* belt;
+    btSoftBody* cloth;
+    btVector3 linear, angular;
+
+    /// Bullet finds the velocities of kinematic bodies from their transforms: these get theirs before each step.
+    Conveyor(bool isKinematic, const btVector3& moves, const btVector3& turns)
+        : belt(made.AddBody(&shape, 0, btVector3(0, btScalar(-0.5), 0))),
+          cloth(AddCloth(&made, btVector3(btScalar(-0.5), s_height, btScalar(-0.5)),
+                         btVector3(btScalar(0.5), s_height, btScalar(0.5)), 15, 15, 0.8)),
+          linear(moves), angular(turns)
+    {
+        belt->setFriction(btScalar(0.8));
+        if (isKinematic)
+            belt->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+        belt->setActivationState(DISABLE_DEACTIVATION);
+        auto set = [](btDynamicsWorld* world, btScalar)
+        {
+            auto* conveyor = static_cast<Conveyor*>(world->getWorldUserInfo());
+            conveyor->belt->setLinearVelocity(conveyor->linear);
+            conveyor->belt->setAngularVelocity(conveyor->angular);
+        };
+        made.world.setInternalTickCallback(set, this, true);
+    }
+    Conveyor(const Conveyor&) = delete;
+    Conveyor& operator=(const Conveyor&) = delete;
+
+    ~Conveyor()
+    {
+        made.RemoveAll();
+    }
+};
+
+START_TEST(a_conveyor_belt_carries_cloth)
+{
+    const bool isKinematic = _i == 1;
+    Conveyor moving(isKinematic, btVector3(1, 0, 0), btVector3(0, 0, 0)),
+        turning(isKinematic, btVector3(0, 0, 0), btVector3(0, 1, 0));
+    for (int step = 0; step < 120; step++)
+        for (Conveyor* conveyor : {&moving, &turning})
+            conveyor->made.world.stepSimulation(btScalar(1.0 / 60), 0);
+    for (int i = 0; i < moving.cloth->m_nodes.size(); i++)
+    {
+        ck_assert_double_lt(double((moving.cloth->m_nodes[i].m_v - btVector3(1, 0, 0)).length()), 0.05);
+        const btSoftBody::Node& node = turning.cloth->m_nodes[i];
+        ck_assert_double_lt(double((node.m_v - btVector3(0, 1, 0).cross(node.m_x)).length()), 0.1);
+    }
+    ck_assert(moving.belt->getWorldTransform().getOrigin() == btVector3(0, btScalar(-0.5), 0));
+}
+END_TEST
 } // namespace
 
 QC_TEST_MAIN()
@@ -191,5 +245,6 @@ QC_TEST_MAIN()
     tcase_add_loop_test(tests, a_strip_slides_off_a_table_where_its_weight_exceeds_its_friction, 0, 4);
     tcase_add_loop_test(tests, a_cloth_slides_down_another_one_as_friction_has_it, 0, 3);
     tcase_add_loop_test(tests, rigid_bodies_slide_down_a_cloth_as_friction_has_it, 0, 3);
+    tcase_add_loop_test(tests, a_conveyor_belt_carries_cloth, 0, 2);
     return qcRunCase("cloth_friction", tests);
 }
