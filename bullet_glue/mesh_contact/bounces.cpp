@@ -1,4 +1,4 @@
-// Restitution of contact points that bodies reach within a step.
+// Restitution, by impulses after the solver's.
 #include "mesh_contact/bounces.h"
 
 #include <BulletDynamics/Dynamics/btDynamicsWorld.h>
@@ -10,6 +10,9 @@ namespace
 {
 // Sweeps over all bounces: the four points of a face share one.
 constexpr int s_sweeps = 10;
+// Bodies that have come nearer to each other up to this part of the way touch. Corners of a box that lands flat differ
+// by rounding: the solver stops some of them, and the others would turn it.
+constexpr btScalar s_touching = btScalar(0.01);
 
 /// One of the two bodies at a point.
 struct Side
@@ -98,6 +101,12 @@ struct Bounce
         *impulse = sum;
     }
 
+    /// True if the two touch at the end of the step, by their velocities, or lack hardly anything to it.
+    bool Touches(btScalar distance, btScalar timeStep) const
+    {
+        return (1 - s_touching) * distance <= -PartingSpeed() * timeStep;
+    }
+
     void Stop()
     {
         Solve(0, BT_LARGE_FLOAT, &stopping);
@@ -130,7 +139,8 @@ bool IsAsleep(const btCollisionObject* object)
     return !object->isStaticOrKinematicObject() && object->getActivationState() == ISLAND_SLEEPING;
 }
 
-/// Appends the bounce at a point, if the solver has stopped the bodies there and they were not too slow.
+/// Appends the bounce at a point, if the bodies touch there, or the solver has stopped them, and they were not too
+/// slow.
 void AddBounce(const btPersistentManifold& manifold, const btManifoldPoint& point, const qcBounceMark& mark,
                const btContactSolverInfo& info, std::vector<Bounce>* bounces)
 {
@@ -141,7 +151,7 @@ void AddBounce(const btPersistentManifold& manifold, const btManifoldPoint& poin
     // Impulses are written for warm starting only.
     if ((info.m_solverMode & SOLVER_USE_WARMSTARTING) == 0)
         bounce.stopping = bounce.FindStopping(mark.approach);
-    if (bounce.stopping > 0)
+    if (bounce.stopping > 0 || bounce.Touches(mark.distance, info.m_timeStep))
         bounces->push_back(bounce);
 }
 } // namespace
@@ -153,14 +163,14 @@ void qcBounces::Mark(btPersistentManifold* manifold)
     for (int i = 0; i < manifold->getNumContacts() && MayBounce(*manifold); i++)
     {
         btManifoldPoint& point = manifold->getContactPoint(i);
-        if (!(point.getDistance() > 0) || !(point.m_combinedRestitution > 0))
+        if (!(point.m_combinedRestitution > 0))
             continue;
         Side a(manifold->getBody0(), ArmTo(point.getPositionWorldOnA(), manifold->getBody0()));
         Side b(manifold->getBody1(), ArmTo(point.getPositionWorldOnB(), manifold->getBody1()));
         btScalar approach = point.m_normalWorldOnB.dot(b.Velocity() - a.Velocity());
         if (!(approach > 0))
             continue;
-        marks.points[size_t(i)] = {a.arm, b.arm, point.m_combinedRestitution, approach};
+        marks.points[size_t(i)] = {a.arm, b.arm, point.m_combinedRestitution, approach, point.getDistance()};
         point.m_combinedRestitution = 0;
         anyBounces = true;
     }

@@ -1,6 +1,7 @@
-// Restitution of contact points that bodies reach within a step. Bullet's solver stops bodies at such a point, and
-// would take the speed that closes its distance from that of the bounce: hardly anything bounced. So it solves them
-// without restitution, and the bounce is added once the transforms are integrated.
+// Restitution. Bullet's solver stops bodies at a contact point at a distance, and would take the speed that closes it
+// from that of the bounce: hardly anything bounced. Where bodies overlap, it gives each pair of a row all of its
+// parting speed, and the row energy. So it solves points without restitution, and bounces are added once the transforms
+// are integrated.
 #ifndef QC_GLUE_MESH_CONTACT_BOUNCES_H
 #define QC_GLUE_MESH_CONTACT_BOUNCES_H
 
@@ -18,12 +19,13 @@ struct qcBounceMark
     btVector3 armA, armB;     ///< from the bodies' centres to the point, before the step
     btScalar restitution = 0; ///< of the point, and 0 if there is no bounce
     btScalar approach = 0;    ///< speed at which the bodies close in on each other before the solver
+    btScalar distance = 0;    ///< of the two before the step
 };
 
 class qcBounces
 {
   public:
-    /// Before the solver: keeps what bounces at points at a distance, and sets their restitution to 0. Bodies of the
+    /// Before the solver: keeps what bounces, and sets the restitution of its points to 0. Bodies of the
     /// manifold respond to each other. It may run on several threads at once.
     void Mark(btPersistentManifold* manifold);
     /// After the solver: bodies that it has stopped at these points bounce. Points have their restitution again.

@@ -472,6 +472,72 @@ START_TEST(a_mesh_without_response_throws_no_body_back)
 }
 END_TEST
 
+START_TEST(a_box_that_lands_flat_bounces_flat_again_and_again)
+{
+    // Its nine lower vertices reach the floor up to rounding: each has to stop it, or what stops some turns it.
+    for (qcFloor floor : {qc_floorPlane, qc_floorOurs})
+        for (double restitution : {0.8, 1.0})
+        {
+            qcMeshWorld world;
+            qcAddFloor(world, floor);
+            world.bodies[0]->setRestitution(1);
+            btRigidBody* box =
+                world.Add(world.Keep(qcBoxModel(btVector3(btScalar(0.3), btScalar(0.2), btScalar(0.3)), 2).MakeShape()),
+                          2, btVector3(btScalar(0.013), 2, btScalar(0.021)));
+            box->setRestitution(btScalar(restitution));
+            int bounces = 0;
+            double down = 0;
+            for (int step = 0; step < 400 && bounces < 5; step++)
+            {
+                const double before = double(box->getLinearVelocity().y());
+                world.Step();
+                const double after = double(box->getLinearVelocity().y());
+                down = before < 0 ? before : down;
+                if (before > 0 || after <= 0)
+                    continue;
+                ck_assert_double_eq_tol(-after / down, restitution, 0.01);
+                bounces++;
+            }
+            ck_assert_int_eq(bounces, 5);
+            ck_assert_double_lt(double(box->getAngularVelocity().length()), 0.01);
+        }
+}
+END_TEST
+
+START_TEST(a_row_that_is_struck_gains_no_energy)
+{
+    for (int kind = 0; kind < 2; kind++)
+        for (btScalar speed : {btScalar(3), btScalar(10), btScalar(30)})
+            for (btScalar gap : {btScalar(0.001), btScalar(0.005), btScalar(0.02)})
+            {
+                qcMeshWorld world;
+                world.world.setGravity(btVector3(0, 0, 0));
+                const qcModel model = kind == 0 ? qcCubeModel() : qcSphereModel(0.5, 2);
+                btCollisionShape* shape = world.Keep(model.MakeShape());
+                for (int i = 0; i < 5; i++)
+                {
+                    btRigidBody* body = world.Add(
+                        shape, 1, btVector3(btScalar(i) * (btScalar(1.02) + gap) - (i == 0 ? btScalar(0.3) : 0), 0, 0));
+                    body->setRestitution(1);
+                    body->setFriction(0);
+                    body->setActivationState(DISABLE_DEACTIVATION);
+                }
+                world.bodies[0]->setLinearVelocity(btVector3(speed, 0, 0));
+                const double before = world.KineticEnergy();
+                for (int step = 0; step < 60; step++)
+                {
+                    world.Step();
+                    ck_assert_double_lt(world.KineticEnergy(), 1.01 * before);
+                }
+                btVector3 momentum(0, 0, 0);
+                for (const auto& body : world.bodies)
+                    momentum += body->getLinearVelocity();
+                ck_assert_double_lt(double((momentum - btVector3(speed, 0, 0)).length()), 1e-3 * double(speed));
+                ck_assert_double_gt(double(world.bodies[4]->getLinearVelocity().x()), 0.3 * double(speed));
+            }
+}
+END_TEST
+
 START_TEST(bouncing_meshes_gain_no_energy)
 {
     qcModel room = qcBoxModel(btVector3(3, 3, 3), 2), cube = qcCubeModel(), ball = qcSphereModel(0.5, 2);
@@ -566,6 +632,8 @@ QC_TEST_MAIN()
     tcase_add_loop_test(tests, fast_meshes_that_limits_stop_keep_most_of_their_angular_momentum, 0, 2);
     tcase_add_test(tests, the_restitution_that_a_callback_sets_is_that_of_the_bounce);
     tcase_add_test(tests, a_mesh_without_response_throws_no_body_back);
+    tcase_add_test(tests, a_box_that_lands_flat_bounces_flat_again_and_again);
+    tcase_add_test(tests, a_row_that_is_struck_gains_no_energy);
     tcase_add_test(tests, bouncing_meshes_gain_no_energy);
     tcase_add_test(tests, a_fine_ball_that_falls_straight_is_hardly_thrown_aside);
     tcase_add_test(tests, a_ball_is_sampled_until_it_touches_and_no_further);
