@@ -194,8 +194,15 @@ struct Corners
         if (side->rigid != nullptr)
         {
             if (const Corner* deepest = Deepest(floor))
-                side->rigid->Push(deepest->arm,
-                                  (outward + sliding) * ((floor - deepest->height) / deepest->inverseMass));
+            {
+                const btScalar impulse = (floor - deepest->height) / deepest->inverseMass;
+                side->rigid->Push(deepest->arm, (outward + sliding) * impulse);
+                // Normals of single pairs are not those of the surface: with their torque a ball in a cloth was spun up
+                // without any friction, and threw the cloth about. Contact turns bodies.
+                if (side->rigid->body != nullptr)
+                    side->rigid->recovered.angular +=
+                        side->rigid->DisplacementBy(deepest->arm, outward * impulse).angular;
+            }
             return;
         }
         for (int i = 0; i < side->count; i++)

@@ -81,11 +81,13 @@ void RemoveMeshes(qcScene* scene, const qcSceneRigid& rigid)
             qcScene_RemoveBody(scene, mesh.id);
 }
 
-/// The motion of the surface of what stays in place, by its velocities.
-qcRigidDisplacement ConveyedBy(const btCollisionObject& object, const btTransform& start, btScalar timeStep)
+/// The motion of the surface of what stays in place, by its velocities. Those of a kinematic body in its first step are
+/// Bullet's guess: it takes it for one that came from the origin.
+qcRigidDisplacement ConveyedBy(const qcSceneRigid& rigid, btScalar timeStep)
 {
-    const btRigidBody* body = btRigidBody::upcast(&object);
-    if (body == nullptr || !body->isStaticOrKinematicObject() || !qcAreSame(start, body->getWorldTransform()))
+    const btRigidBody* body = btRigidBody::upcast(rigid.object);
+    if (body == nullptr || !body->isStaticOrKinematicObject() || !rigid.hasEnd ||
+        !qcAreSame(rigid.start, rigid.solved) || !qcAreSame(rigid.end, rigid.solved))
         return {};
     return {body->getAngularVelocity() * timeStep, body->getLinearVelocity() * timeStep};
 }
@@ -107,7 +109,7 @@ void ReadState(qcSceneRigid* rigid, const btTransform& start, btScalar timeStep)
     rigid->start = start;
     rigid->moved = rigid->recovered = qcRigidDisplacement();
     rigid->fromStart = rigid->isFixed = false;
-    rigid->conveyed = ConveyedBy(*rigid->object, start, timeStep);
+    rigid->conveyed = ConveyedBy(*rigid, timeStep);
 }
 } // namespace
 

@@ -260,6 +260,49 @@ START_TEST(cloth_and_a_free_shape_keep_momentum)
 }
 END_TEST
 
+START_TEST(a_ball_in_a_cloth_without_friction_is_not_spun_up)
+{
+    // Nothing can turn it. Off the middle of a free cloth.
+    for (btScalar step : {btScalar(1.0 / 60), btScalar(1.0 / 240)})
+        for (btScalar speed : {btScalar(10), btScalar(20)})
+        {
+            qcSoftWorld made;
+            btSphereShape sphere(btScalar(0.25));
+            made.SetGravity(btVector3(0, 0, 0));
+            btSoftBody* cloth = made.AddPatch(btVector3(-1, 0, -1), btVector3(1, 0, -1), btVector3(-1, 0, 1),
+                                              btVector3(1, 0, 1), 21, 21, 0);
+            cloth->setTotalMass(1);
+            cloth->m_cfg.piterations = 4;
+            qcSoftBodySettings settings;
+            settings.friction = 0;
+            ck_assert_int_eq(made.softSolver.setSettings(cloth, settings), qc_statusOk);
+            btRigidBody* ball = made.AddBody(&sphere, 2, btVector3(btScalar(0.3), 1, btScalar(0.05)));
+            ball->setFriction(0);
+            ball->setActivationState(DISABLE_DEACTIVATION);
+            ball->setLinearVelocity(btVector3(0, -speed, 0));
+            const double before = double(speed * speed);
+            double mostSpin = 0, mostEnergy = 0;
+            for (int i = 0; i < int(1 / step); i++)
+            {
+                made.world.stepSimulation(step, 0);
+                const double spin = double(ball->getAngularVelocity().length());
+                mostSpin = std::max(mostSpin, spin);
+                double energy = double(ball->getLinearVelocity().length2()) +
+                                0.5 * double(ball->getLocalInertia().x()) * spin * spin;
+                for (int n = 0; n < cloth->m_nodes.size(); n++)
+                    energy += 0.5 * double(cloth->m_nodes[n].m_v.length2() / cloth->m_nodes[n].m_im);
+                mostEnergy = std::max(mostEnergy, energy / before);
+            }
+            printf("ball of %g m/s in a cloth, step %.4f s: spin %.1f rad/s, energy %.3f of that before\n",
+                   double(speed), double(step), mostSpin, mostEnergy);
+            ck_assert_double_lt(mostSpin, 8);
+            ck_assert_double_lt(mostEnergy, 1.002);
+            ck_assert_double_lt(double(ball->getLinearVelocity().y()), -0.5 * double(speed));
+            made.RemoveAll();
+        }
+}
+END_TEST
+
 START_TEST(a_kinematic_shape_takes_cloth_along_at_20_metres_a_second)
 {
     const qcShapeKind kinds[] = {qc_shapeBox, qc_shapeThinCylinder, qc_shapeSphere, qc_shapePlane};
@@ -528,6 +571,7 @@ QC_TEST_MAIN()
     tcase_add_test(tests, friction_on_a_slope_is_coulombs);
     qcAddLoop(tests, cloth_and_a_free_shape_keep_momentum, 5);
     qcAddLoop(tests, a_kinematic_shape_takes_cloth_along_at_20_metres_a_second, 4);
+    tcase_add_test(tests, a_ball_in_a_cloth_without_friction_is_not_spun_up);
     tcase_add_test(tests, cloth_slides_along_a_plane_for_any_distance);
     tcase_add_test(tests, bullets_contacts_of_links_of_multibodies_are_on_request);
     tcase_add_test(tests, after_a_failed_query_bullets_contacts_hold);
