@@ -19,6 +19,10 @@ namespace
 // Up to so many objects are compared with a soft body's box one by one. A query of the broadphase, which has the other
 // soft bodies too, takes as long as some 200 comparisons (qc-bench soft --demos, 256 sticks).
 constexpr size_t s_maxCompared = 64;
+// Bullet gives a kinematic body the velocity of its motion in all substeps, though it moves in the first alone, and in
+// its first step one as if it came from the origin. One that is in place for more steps than that has its velocity from
+// the application.
+constexpr int s_minStepsOfBelt = 16;
 
 bool AreSame(const std::vector<qcSceneShape>& a, const std::vector<qcSceneShape>& b)
 {
@@ -81,13 +85,12 @@ void RemoveMeshes(qcScene* scene, const qcSceneRigid& rigid)
             qcScene_RemoveBody(scene, mesh.id);
 }
 
-/// The motion of the surface of what stays in place, by its velocities. Those of a kinematic body in its first step are
-/// Bullet's guess: it takes it for one that came from the origin.
+/// The motion of the surface of what stays in place, by its velocities.
 qcRigidDisplacement ConveyedBy(const qcSceneRigid& rigid, btScalar timeStep)
 {
     const btRigidBody* body = btRigidBody::upcast(rigid.object);
-    if (body == nullptr || !body->isStaticOrKinematicObject() || !rigid.hasEnd ||
-        !qcAreSame(rigid.start, rigid.solved) || !qcAreSame(rigid.end, rigid.solved))
+    if (body == nullptr || !body->isStaticOrKinematicObject() || !qcAreSame(rigid.start, rigid.solved) ||
+        (body->isKinematicObject() && rigid.stepsInPlace < s_minStepsOfBelt))
         return {};
     return {body->getAngularVelocity() * timeStep, body->getLinearVelocity() * timeStep};
 }
@@ -107,6 +110,8 @@ void ReadState(qcSceneRigid* rigid, const btTransform& start, btScalar timeStep)
     rigid->activity = activity;
     rigid->solved = rigid->object->getWorldTransform();
     rigid->start = start;
+    const bool isInPlace = rigid->hasEnd && qcAreSame(rigid->end, rigid->solved) && qcAreSame(start, rigid->solved);
+    rigid->stepsInPlace = isInPlace ? std::min(rigid->stepsInPlace + 1, s_minStepsOfBelt) : 0;
     rigid->moved = rigid->recovered = qcRigidDisplacement();
     rigid->fromStart = rigid->isFixed = false;
     rigid->conveyed = ConveyedBy(*rigid, timeStep);

@@ -237,6 +237,37 @@ START_TEST(a_conveyor_belt_carries_cloth)
     ck_assert(moving.belt->getWorldTransform().getOrigin() == btVector3(0, btScalar(-0.5), 0));
 }
 END_TEST
+START_TEST(a_kinematic_body_that_moves_over_substeps_carries_cloth_no_further)
+{
+    // In all substeps it has the velocity of its motion, which it makes in the first. Friction is so large that the
+    // cloth sticks.
+    qcSoftWorld made;
+    btBoxShape shape(btVector3(5, btScalar(0.5), 5));
+    btRigidBody* board = made.AddBody(&shape, 0, btVector3(0, btScalar(-0.5), 0));
+    board->setFriction(100);
+    board->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+    board->setActivationState(DISABLE_DEACTIVATION);
+    btSoftBody* cloth = AddCloth(&made, btVector3(btScalar(-0.5), s_height, btScalar(-0.5)),
+                                 btVector3(btScalar(0.5), s_height, btScalar(0.5)), 15, 15, 1);
+    // Half a metre a second, four substeps each; it stands for a while, and once more.
+    for (int frame = 0; frame < 60; frame++)
+    {
+        btTransform place = board->getWorldTransform();
+        if (frame >= 10 && frame < 50)
+            place.getOrigin() += btVector3(btScalar(1.0 / 120), 0, 0);
+        board->setWorldTransform(place);
+        made.world.stepSimulation(btScalar(1.0 / 60), 4, btScalar(1.0 / 240));
+    }
+    const double moved = double(board->getWorldTransform().getOrigin().x());
+    ck_assert_double_eq_tol(moved, 1.0 / 3, 1e-4);
+    for (int i = 0; i < cloth->m_nodes.size(); i++)
+    {
+        const double start = -0.5 + (i % 15) / 14.0;
+        ck_assert_double_eq_tol(double(cloth->m_nodes[i].m_x.x()) - start, moved, 0.03);
+    }
+    made.RemoveAll();
+}
+END_TEST
 } // namespace
 
 QC_TEST_MAIN()
@@ -246,5 +277,6 @@ QC_TEST_MAIN()
     tcase_add_loop_test(tests, a_cloth_slides_down_another_one_as_friction_has_it, 0, 3);
     tcase_add_loop_test(tests, rigid_bodies_slide_down_a_cloth_as_friction_has_it, 0, 3);
     tcase_add_loop_test(tests, a_conveyor_belt_carries_cloth, 0, 2);
+    tcase_add_test(tests, a_kinematic_body_that_moves_over_substeps_carries_cloth_no_further);
     return qcRunCase("cloth_friction", tests);
 }
