@@ -156,24 +156,24 @@ bool qcElasticContacts::IsSqueezed(const qcSceneSoftBody& soft) const
 void qcElasticContacts::LeaveUnloaded()
 {
     m_loaded.clear();
-    auto add = [this](qcSceneSoftBody* soft)
-    {
-        if (soft != nullptr && std::find(m_loaded.begin(), m_loaded.end(), soft) == m_loaded.end())
-            m_loaded.push_back(soft);
-    };
+    auto isLoaded = [this](const qcSceneSoftBody* soft)
+    { return std::find(m_loaded.begin(), m_loaded.end(), soft) != m_loaded.end(); };
     std::vector<qcSceneSoftBody*> resting;
     for (size_t i = 0; i < m_springs.size(); i++)
         if (m_springs[i].isClosed && (m_springs[i].rigid >= 0 || m_sides[i].soft[1] != nullptr))
+        {
             for (qcSceneSoftBody* soft : m_sides[i].soft)
-                add(soft);
+                if (soft != nullptr && !isLoaded(soft))
+                    m_loaded.push_back(soft);
+        }
         else if (resting.empty() || resting.back() != m_sides[i].soft[0])
             resting.push_back(m_sides[i].soft[0]);
     for (qcSceneSoftBody* soft : resting)
-        if (std::find(m_loaded.begin(), m_loaded.end(), soft) == m_loaded.end() && IsSqueezed(*soft))
+        if (!isLoaded(soft) && IsSqueezed(*soft))
             m_loaded.push_back(soft);
     size_t count = 0;
     for (size_t i = 0; i < m_springs.size(); i++)
-        if (std::find(m_loaded.begin(), m_loaded.end(), m_sides[i].soft[0]) != m_loaded.end())
+        if (isLoaded(m_sides[i].soft[0]))
             m_springs[count++] = m_springs[i];
     m_springs.resize(count);
 }

@@ -19,7 +19,7 @@ constexpr btScalar s_tolerance = btScalar(0.03);
 constexpr int s_checkInterval = 4;
 // Changes of a friction's share that are worth another round.
 constexpr btScalar s_heldChange = btScalar(0.1);
-// In the system, locked directions of a body give way by this part of what free ones do; the body does not.
+// In the system, locked directions of a body give way by this part of what free ones do. Factors then lock the body.
 constexpr btScalar s_locked = btScalar(1e-6);
 // Steps after which what resists single nodes is found anew.
 constexpr int s_maxAge = 100;

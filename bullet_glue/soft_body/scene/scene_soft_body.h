@@ -18,8 +18,8 @@ bool qcCollidesWithSurfaces(const btSoftBody* body, const qcSoftBodySettings& se
 struct qcHeldPoint
 {
     qcObjectKey object{nullptr, -1};
-    btVector3 point{0, 0,
-                    0}; ///< where it was at the end of that step, less what a conveyor belt moves it by in the next
+    /// Where it was at the end of that step, less what a conveyor belt moves it by in the next.
+    btVector3 point{0, 0, 0};
     btVector3 localPoint{0, 0, 0}, localNormal{0, 0, 0};
 
     btVector3 Point() const
