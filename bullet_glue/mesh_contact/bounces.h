@@ -28,7 +28,8 @@ class qcBounces
     /// Before the solver: keeps what bounces, and sets the restitution of its points to 0. Bodies of the manifold
     /// respond to each other. It may run on several threads at once.
     void Mark(btPersistentManifold* manifold);
-    /// After the solver: bodies that it has stopped at these points bounce. Points have their restitution again.
+    /// After the solver: bodies that touch at these points, or that it has stopped there, bounce. Points have their
+    /// restitution again.
     void Apply(btDynamicsWorld* world);
 
   private:

@@ -44,18 +44,17 @@ btScalar LostPart(const qcSweptObject& swept)
     return all > 0 ? btClamped(1 - made / all, btScalar(0), btScalar(1)) : 1 - swept.fraction;
 }
 
-/// Velocities of a body, or a change of them.
-struct Velocities
-{
-    btVector3 linear, angular;
-};
-
-/// The part of a force's gain of velocity that a velocity still has, at most `limit`: contact takes it from what rests.
-/// `change`: of the velocity since the step's start.
-btScalar KeptPart(const btVector3& force, const btVector3& gain, const btVector3& change, btScalar limit)
+/// A velocity without the part `lost` of what a force has given it in the step, `gain`, as far as it still has that:
+/// contact takes it from what rests. `before`: the velocity at the step's start; null: it has all. `limit`: the largest
+/// part of the gain that it may have.
+btVector3 WithoutLost(const btVector3& now, const btVector3* before, const btVector3& force, const btVector3& gain,
+                      btScalar lost, btScalar limit)
 {
     const btScalar all = force.dot(gain);
-    return all > 0 ? btClamped(force.dot(change) / all, btScalar(0), limit) : btScalar(0);
+    if (!(all > 0))
+        return now;
+    const btVector3 change = before != nullptr ? now - *before : gain;
+    return now - gain * (lost * btClamped(force.dot(change) / all, btScalar(0), limit));
 }
 
 /// Takes back what forces have done to a body's velocities for the motion that it does not make.
@@ -64,14 +63,11 @@ void TakeBackForces(qcSweptObject* swept, btScalar timeStep)
     btRigidBody* body = swept->body;
     const btScalar lost = LostPart(*swept), left = 1 - swept->lost;
     const btVector3 force = body->getTotalForce(), torque = body->getTotalTorque();
-    const Velocities now{body->getLinearVelocity(), body->getAngularVelocity()};
-    const Velocities gain{force * (body->getInvMass() * timeStep),
-                          body->getInvInertiaTensorWorld() * torque * timeStep};
-    const Velocities change =
-        swept->before ? Velocities{now.linear - swept->before->linear, now.angular - swept->before->angular} : gain;
-    body->setLinearVelocity(now.linear - gain.linear * (lost * KeptPart(force, gain.linear, change.linear, left)));
-    body->setAngularVelocity(now.angular -
-                             gain.angular * (lost * KeptPart(torque, gain.angular, change.angular, left)));
+    const qcRigidMotion* before = swept->before ? &*swept->before : nullptr;
+    body->setLinearVelocity(WithoutLost(body->getLinearVelocity(), before != nullptr ? &before->linear : nullptr, force,
+                                        force * (body->getInvMass() * timeStep), lost, left));
+    body->setAngularVelocity(WithoutLost(body->getAngularVelocity(), before != nullptr ? &before->angular : nullptr,
+                                         torque, body->getInvInertiaTensorWorld() * torque * timeStep, lost, left));
     swept->lost += left * lost;
 }
 

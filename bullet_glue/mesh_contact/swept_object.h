@@ -2,8 +2,8 @@
 #ifndef QC_GLUE_MESH_CONTACT_SWEPT_OBJECT_H
 #define QC_GLUE_MESH_CONTACT_SWEPT_OBJECT_H
 
-#include "mesh_contact/bisection.h"
 #include "mesh_contact/batch_scene.h"
+#include "mesh_contact/bisection.h"
 #include "mesh_contact/rigid_motion.h"
 #include "mesh_contact/swept_mesh.h"
 #include "mesh_contact/swept_multibody.h"

@@ -36,7 +36,7 @@ struct qcSceneRigid
     bool isFixed = false; ///< contacts of this step move it no further: its limits have stopped it, or it has returned
     bool fromStart = false; ///< a zone moves it from the start of the step, which determines its velocity, too
     bool hasEnd = false;    ///< the object was in the previous step
-    int stepsInPlace = 0;   ///< for how long the object has not moved; see qcSoftBodyMeshes
+    int stepsInPlace = 0;   ///< for how long the object has not moved, up to what a conveyor belt needs
     btTransform end = btTransform::getIdentity(); ///< of the object, at the end of the previous step
 
     /// True if contacts can move the object, unless it is fixed.

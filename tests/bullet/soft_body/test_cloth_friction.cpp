@@ -183,7 +183,14 @@ START_TEST(rigid_bodies_slide_down_a_cloth_as_friction_has_it)
         }
 }
 END_TEST
-/// A cloth of 1 m on a belt: a box that stays in place and has velocities.
+/// A cloth of 1 m just above the ground.
+btSoftBody* AddSquare(qcSoftWorld* made, double friction)
+{
+    return AddCloth(made, btVector3(btScalar(-0.5), s_height, btScalar(-0.5)),
+                    btVector3(btScalar(0.5), s_height, btScalar(0.5)), 15, 15, friction);
+}
+
+/// A cloth on a belt: a box that stays in place and has velocities.
 struct Conveyor
 {
     qcSoftWorld made;
@@ -194,10 +201,8 @@ struct Conveyor
 
     /// Bullet finds the velocities of kinematic bodies from their transforms: these get theirs before each step.
     Conveyor(bool isKinematic, const btVector3& moves, const btVector3& turns)
-        : belt(made.AddBody(&shape, 0, btVector3(0, btScalar(-0.5), 0))),
-          cloth(AddCloth(&made, btVector3(btScalar(-0.5), s_height, btScalar(-0.5)),
-                         btVector3(btScalar(0.5), s_height, btScalar(0.5)), 15, 15, 0.8)),
-          linear(moves), angular(turns)
+        : belt(made.AddBody(&shape, 0, btVector3(0, btScalar(-0.5), 0))), cloth(AddSquare(&made, 0.8)), linear(moves),
+          angular(turns)
     {
         belt->setFriction(btScalar(0.8));
         if (isKinematic)
@@ -247,8 +252,7 @@ START_TEST(a_kinematic_body_that_moves_over_substeps_carries_cloth_no_further)
     board->setFriction(100);
     board->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
     board->setActivationState(DISABLE_DEACTIVATION);
-    btSoftBody* cloth = AddCloth(&made, btVector3(btScalar(-0.5), s_height, btScalar(-0.5)),
-                                 btVector3(btScalar(0.5), s_height, btScalar(0.5)), 15, 15, 1);
+    const btSoftBody* cloth = AddSquare(&made, 1);
     // Half a metre a second, four substeps each; it stands for a while, and once more.
     for (int frame = 0; frame < 60; frame++)
     {
