@@ -72,7 +72,8 @@ qcStatus qcManifoldBuilder_Build(qcManifoldBuilder* b, const qcStepTriangles* tr
     QC_TRY(qcContactRegions_Find(topology, b->kernels, margin, &b->regions));
     QC_TRY(qcContactProximity_Find(pairs.reported, topology, &b->regions, threads, &b->proximity));
     QC_TRY(qcPairAdjacency_Find(topology, &b->regions, &b->proximity, threads, &b->adjacency));
-    const qcContactInput input = {.topology = topology,
+    const qcContactInput input = {.bodies = triangles->bodies,
+                                  .topology = topology,
                                   .regions = &b->regions,
                                   .proximity = &b->proximity,
                                   .adjacency = &b->adjacency,

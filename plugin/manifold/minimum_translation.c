@@ -129,21 +129,6 @@ static Translation FindTranslation(const Job* job, Members* members)
     return best;
 }
 
-/// Sets the normal of a pair, and computes its overlap along it.
-static qcStatus AdoptNormal(const Job* job, uint32_t index, qcVector normal)
-{
-    const qcManifoldPair* pair = qcContactTopology_Pair(job->input->topology, index);
-    if (!qcPairOverlaps_Reserve(job->overlaps, 0, qc_maxOverlapCorners))
-        return qcPairOverlaps_Status(job->overlaps);
-    qcPairNormal* own = qcContactNormals_Pair(job->normals, index);
-    own->normal = normal;
-    own->keepsReported = own->flipped = own->disjoint = false;
-    qcProjectedOverlap overlap = {.count = -1};
-    qcProjectedOverlap_Compute(job->input->kernels, pair, normal, &overlap);
-    qcPairOverlaps_Set(job->overlaps, index, 0, &overlap, normal, false, qcContactInput_CornerLimit(job->input, pair));
-    return qc_statusOk;
-}
-
 static qcStatus ShortenRegion(const Job* job, Members* members)
 {
     for (size_t i = 0; i < members->count; i++)
@@ -158,7 +143,7 @@ static qcStatus ShortenRegion(const Job* job, Members* members)
         return qc_statusOk;
     for (size_t i = 0; i < members->count; i++)
         if (ShareOf(members) * DepthOf(job, PairOf(members, i)) > best.length)
-            QC_TRY(AdoptNormal(job, PairOf(members, i), best.normal));
+            QC_TRY(qcContactNormals_Set(job->input, PairOf(members, i), best.normal, job->overlaps, job->normals));
     return qc_statusOk;
 }
 

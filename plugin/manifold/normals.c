@@ -1,5 +1,5 @@
 // The stage of normals: its steps in their order.
-#include "manifold/normals.h"
+#include "manifold/normal_cost.h"
 #include "manifold/stage_switches.h"
 #include "base/status.h"
 
@@ -22,6 +22,21 @@ static void FinishChoice(const qcContactInput* input, qcContactNormals* normals)
     }
 }
 
+qcStatus qcContactNormals_Set(const qcContactInput* input, uint32_t pair, qcVector normal, qcPairOverlaps* overlaps,
+                              qcContactNormals* normals)
+{
+    const qcManifoldPair* triangles = qcContactTopology_Pair(input->topology, pair);
+    if (!qcPairOverlaps_Reserve(overlaps, 0, qc_maxOverlapCorners))
+        return qcPairOverlaps_Status(overlaps);
+    qcPairNormal* own = qcContactNormals_Pair(normals, pair);
+    own->normal = normal;
+    own->keepsReported = own->flipped = own->disjoint = false;
+    qcProjectedOverlap overlap = {.count = -1};
+    qcProjectedOverlap_Compute(input->kernels, triangles, normal, &overlap);
+    qcPairOverlaps_Set(overlaps, pair, 0, &overlap, normal, false, qcContactInput_CornerLimit(input, triangles));
+    return qc_statusOk;
+}
+
 qcStatus qcContactNormals_Find(const qcContactInput* input, qcPairOverlaps* overlaps, qcContactNormals* normals)
 {
     size_t count = input->topology->pairs.count;
@@ -33,6 +48,8 @@ qcStatus qcContactNormals_Find(const qcContactInput* input, qcPairOverlaps* over
     FinishChoice(input, normals);
     if (QC_STAGE_RUNS(orientation))
         QC_TRY(qcContactNormals_Orient(input, overlaps, normals));
+    if (QC_STAGE_RUNS(outwardNormals))
+        QC_TRY(qcContactNormals_LeadOut(input, overlaps, normals));
     if (QC_STAGE_RUNS(minimumTranslation))
         QC_TRY(qcContactNormals_Shorten(input, overlaps, normals));
     return qc_statusOk;
@@ -40,8 +57,9 @@ qcStatus qcContactNormals_Find(const qcContactInput* input, qcPairOverlaps* over
 
 void qcContactNormals_Free(qcContactNormals* normals)
 {
-    qcArray* arrays[] = {&normals->pairs, &normals->next,       &normals->rounds, &normals->components,
-                         &normals->nodes, &normals->references, &normals->items,  &normals->sortScratch};
+    qcArray* arrays[] = {&normals->pairs,      &normals->next,        &normals->rounds,
+                         &normals->components, &normals->nodes,       &normals->references,
+                         &normals->items,      &normals->sortScratch, &normals->waysOut};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }

@@ -8,6 +8,7 @@
 /// Results of the earlier stages, and how this stage runs.
 typedef struct qcContactInput
 {
+    const qcBodies* bodies;
     const qcContactTopology* topology;
     const qcContactRegions* regions;
     const qcContactProximity* proximity;
@@ -40,12 +41,17 @@ typedef struct qcContactNormals
     qcArray rounds;             ///< of uint16_t, by triangle: the last such round in which one of its pairs changed
     qcArray components, nodes;  ///< of the orientation, by pair
     qcArray references;         ///< likewise, by region
+    qcArray waysOut;            ///< of the outward normals, by region
     qcArray items, sortScratch; ///< of the orientation: links; of the minimum translation: pairs by region
 } qcContactNormals;
 
 /// Finds the normals of all pairs, and the overlaps along them. The steps below are serial unless stated otherwise.
 qcStatus qcContactNormals_Find(const qcContactInput* input, qcPairOverlaps* overlaps, qcContactNormals* normals);
 void qcContactNormals_Free(qcContactNormals* normals);
+
+/// Sets the normal of a pair, and computes its overlap along it. Serial.
+qcStatus qcContactNormals_Set(const qcContactInput* input, uint32_t pair, qcVector normal, qcPairOverlaps* overlaps,
+                              qcContactNormals* normals);
 
 //  ---- the steps, in their order ---------------------------------------------------------------------------
 
@@ -56,6 +62,8 @@ qcStatus qcContactNormals_Propagate(const qcContactInput* input, qcPairOverlaps*
 /// Determines the signs of the normals in each ambiguous region.
 qcStatus qcContactNormals_Orient(const qcContactInput* input, const qcPairOverlaps* overlaps,
                                  qcContactNormals* normals);
+/// Replaces normals that don't lead out of two closed bodies in regions with a clear way out.
+qcStatus qcContactNormals_LeadOut(const qcContactInput* input, qcPairOverlaps* overlaps, qcContactNormals* normals);
 /// Applies the minimum-translation fallback to regions that penetrate.
 qcStatus qcContactNormals_Shorten(const qcContactInput* input, qcPairOverlaps* overlaps, qcContactNormals* normals);
 

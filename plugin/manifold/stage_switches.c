@@ -5,8 +5,8 @@
 #include <string.h>
 
 static const char* const s_names[qc_stageCount] = {
-    "separatingPlane",    "neighbourCost",  "localMinimum", "propagation",       "orientation",
-    "minimumTranslation", "fallbackPoints", "merge",        "coplanarReduction",
+    "separatingPlane", "neighbourCost",      "localMinimum",   "propagation", "orientation",
+    "outwardNormals",  "minimumTranslation", "fallbackPoints", "merge",       "coplanarReduction",
 };
 
 static bool s_off[qc_stageCount];

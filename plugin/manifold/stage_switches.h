@@ -14,6 +14,7 @@ typedef enum qcManifoldStage
     qc_stage_localMinimum,
     qc_stage_propagation,
     qc_stage_orientation,
+    qc_stage_outwardNormals,
     qc_stage_minimumTranslation,
     qc_stage_fallbackPoints,
     qc_stage_merge,

@@ -9,6 +9,14 @@
 /// edge from corner c to the next.
 typedef uint8_t qcOwnedFeatures;
 
+/// What is known of a body's surface. Meshes that face inwards, as rooms do, count as open.
+typedef enum qcSurface
+{
+    qc_surfaceUnknown,
+    qc_surfaceOpen,
+    qc_surfaceClosed
+} qcSurface;
+
 /// Where a body was at the last qcScene_MarkStart.
 typedef struct qcBodyStart
 {
@@ -41,6 +49,7 @@ typedef struct qcBody
     uint32_t* indices;
     qcOwnedFeatures* owned;                ///< one a triangle; null until the first step with contacts
     uint8_t* used;                         ///< by vertex: 1 if a triangle has it, else 0; null: all vertices have one
+    qcSurface surface;                     ///< see scene/closed_surface.h
     uint64_t moved;                        ///< qcBodies::revision when positions last changed
     qcTransform transform;                 ///< of rigid bodies
     bool isIdentity;                       ///< the transform

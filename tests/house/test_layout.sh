@@ -89,7 +89,7 @@ tests/gl                    tests/support plugin/base plugin/gl plugin/gl/visibi
 tests/broadphase            tests/support plugin/base plugin/broadphase
 tests/cull                  tests/support plugin/base plugin/scene plugin/cull/layers plugin/gl/layers plugin/pipeline
 tests/narrowphase           tests/support
-tests/manifold              tests/support
+tests/manifold              tests/support plugin/base plugin/scene
 tests/pipeline              tests/support demos/common/mesh_io
 tests/recording             tests/support plugin/recording
 tests/bullet                tests/support

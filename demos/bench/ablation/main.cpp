@@ -16,6 +16,7 @@ const char* const s_stages[] = {
     "localMinimum",
     "propagation",
     "orientation",
+    "outwardNormals",
     "minimumTranslation",
     "fallbackPoints",
     "merge",
