@@ -67,8 +67,7 @@ static double DepthOf(const Job* job, uint32_t pair)
 
 static double LengthAlong(const Job* job, uint32_t index, qcVector normal)
 {
-    const qcManifoldPair* pair = qcContactTopology_Pair(job->input->topology, index);
-    return qcManifoldPair_Separation(pair, pair->side[1]->corner[0], normal).along;
+    return qcManifoldPair_LengthAlong(qcContactTopology_Pair(job->input->topology, index), normal);
 }
 
 /// Replaces the best translation if that along the normal is shorter.

@@ -106,11 +106,6 @@ static bool FindWaysOut(const Job* job)
     return any;
 }
 
-static double LengthAlong(const qcManifoldPair* pair, qcVector normal)
-{
-    return qcManifoldPair_Separation(pair, pair->side[1]->corner[0], normal).along;
-}
-
 /// The normal of a pair, or the outward one of its two along which it separates sooner.
 static qcVector FindOutward(const Job* job, const qcManifoldPair* pair, qcVector own)
 {
@@ -118,10 +113,10 @@ static qcVector FindOutward(const Job* job, const qcManifoldPair* pair, qcVector
     if (qcDot(own, outward[0]) + qcDot(own, outward[1]) >= s_leadsOut)
         return own;
     qcVector best = own, way = job->ways[pair->region].normal;
-    double shortest = LengthAlong(pair, own);
+    double shortest = qcManifoldPair_LengthAlong(pair, own);
     for (int side = 0; side < 2; side++)
     {
-        double length = LengthAlong(pair, outward[side]);
+        double length = qcManifoldPair_LengthAlong(pair, outward[side]);
         if (length < shortest && qcDot(outward[side], way) > 0.0)
         {
             best = outward[side];

@@ -164,4 +164,10 @@ static inline qcSeparation qcManifoldPair_Separation(const qcManifoldPair* pair,
                            qcManifoldTriangle_Heights(pair->side[1], origin, direction));
 }
 
+/// How far side 0 has to move along a direction until the pair is separated.
+static inline double qcManifoldPair_LengthAlong(const qcManifoldPair* pair, qcVector direction)
+{
+    return qcManifoldPair_Separation(pair, pair->side[1]->corner[0], direction).along;
+}
+
 #endif
