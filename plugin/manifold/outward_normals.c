@@ -128,9 +128,12 @@ static qcVector FindOutward(const Job* job, const qcManifoldPair* pair, qcVector
 
 qcStatus qcContactNormals_LeadOut(const qcContactInput* input, qcPairOverlaps* overlaps, qcContactNormals* normals)
 {
+    Job job = {.input = input};
+    if (!FindOuterSides(&job))
+        return qc_statusOk;
     QC_TRY(qcArray_Resize(&normals->waysOut, input->topology->regionCount, sizeof(WayOut), "normals of manifolds"));
-    Job job = {.input = input, .ways = normals->waysOut.data};
-    if (!FindOuterSides(&job) || !FindWaysOut(&job))
+    job.ways = normals->waysOut.data;
+    if (!FindWaysOut(&job))
         return qc_statusOk;
     for (size_t i = 0; i < CountPairs(&job); i++)
     {
