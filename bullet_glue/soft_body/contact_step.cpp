@@ -346,7 +346,7 @@ qcStatus qcSoftBodyContact::Implementation::FindContacts(bool isFirst)
         manifolds.Publish(scene, *m_result, m_contactOfConstraint);
     }
     qcAddLinkCcdConstraints(scene, &m_constraints);
-    m_chains.Find(m_constraints);
+    m_chains.Find(&m_constraints);
     return qc_statusOk;
 }
 
@@ -585,8 +585,7 @@ bool qcSoftBodyContact::Implementation::Resolve(btScalar timeStep)
     }
     if (solvesLinks)
         qcHeldContacts::Keep(scene, m_tangles, m_constraints);
-    else
-        elasticContacts.Keep(scene, m_tangles, m_constraints);
+    elasticContacts.Keep(scene, m_tangles, m_constraints);
     scene.meshes.UpdateVelocities(timeStep);
     qcApplyRigidNodeImpulses(m_rigidNodeContacts, timeStep);
     return true;

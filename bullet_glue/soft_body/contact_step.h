@@ -41,9 +41,8 @@ struct qcSoftBodyContact::Implementation
     void DispatchCallbacks();
 
     qcSoftBodyScene scene;
-    qcHeldContacts heldContacts;                              ///< of the classic world
-    qcElasticContacts elasticContacts;                        ///< of the deformable world
-    const btDeformableBodySolver* deformableSolver = nullptr; ///< of the deformable world
+    qcHeldContacts heldContacts; ///< of the classic world
+    qcElasticContacts elasticContacts;
     qcContactManifolds manifolds;
     qcAlgorithmOverride algorithmOverride;
     qcSoftBodyStatistics statistics;

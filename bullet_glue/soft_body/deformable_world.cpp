@@ -7,6 +7,7 @@
 #include "quickcullide/bullet_deformable.h"
 
 #include "soft_body/contact_step.h"
+#include "soft_body/response/deformable_elasticity.h"
 
 namespace
 {
@@ -41,7 +42,7 @@ qcDeformableWorld::qcDeformableWorld(btDispatcher* dispatcher, btBroadphaseInter
                                          deformableSolver),
       qcSoftBodyContact(device)
 {
-    m_implementation->deformableSolver = deformableSolver;
+    m_implementation->elasticContacts.SetElasticity(std::make_unique<qcDeformableElasticity>(deformableSolver));
 }
 
 qcDeformableWorld::~qcDeformableWorld() = default;
@@ -79,7 +80,8 @@ void qcDeformableWorld::integrateTransforms(btScalar timeStep)
         if (!getSoftBodyArray()[i]->isActive())
             getSoftBodyArray()[i]->setZeroVelocity();
     btDeformableMultiBodyDynamicsWorld::integrateTransforms(timeStep);
-    my.elasticContacts.Solve(my.scene, *my.deformableSolver, timeStep);
+    qcPresentObjects present(my.scene);
+    my.elasticContacts.Solve(my.scene, &present, timeStep);
     if (!my.Resolve(timeStep))
         return;
     for (const qcSceneSoftBody& soft : my.scene.Bodies())

@@ -1,5 +1,6 @@
 // The soft-body solver of the classic world: contact follows Bullet's own constraints.
 #include "soft_body/contact_step.h"
+#include "soft_body/response/link_elasticity.h"
 
 namespace
 {
@@ -36,6 +37,7 @@ void ReturnNodes(btSoftBody* body)
 qcSoftBodySolver::qcSoftBodySolver(qcDevice* device) : qcSoftBodyContact(device)
 {
     m_implementation->solvesLinks = true;
+    m_implementation->elasticContacts.SetElasticity(std::make_unique<qcLinkElasticity>());
 }
 
 qcSoftBodySolver::~qcSoftBodySolver() = default;
@@ -73,9 +75,12 @@ void qcSoftBodySolver::solveConstraints(btScalar timeStep)
     my.predicted.clear();
     // m_q is where Bullet's step started from; its drift constraints overwrite it.
     my.ReadStart(m_softBodySet, &btSoftBody::Node::m_q);
-    my.heldContacts.Insert(my.scene);
+    qcPresentObjects present(my.scene);
+    my.elasticContacts.ReadPredicted(my.scene);
+    my.heldContacts.Insert(my.scene, &present);
     btDefaultSoftBodySolver::solveConstraints(timeStep);
     my.heldContacts.Remove(my.scene);
+    my.elasticContacts.Solve(my.scene, &present, timeStep);
     if (!my.Resolve(timeStep))
         return;
     for (const qcSceneSoftBody& soft : my.scene.Bodies())

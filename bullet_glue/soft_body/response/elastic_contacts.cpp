@@ -3,21 +3,16 @@
 
 #include "soft_body/response/held_contacts.h"
 
-#include <BulletSoftBody/btDeformableBodySolver.h>
 #include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace
 {
 // Cosines: normals of one side of a body, and of opposite ones.
 constexpr btScalar s_sameSide = btScalar(0.9), s_oppositeSide = btScalar(0.5);
-
-bool IsElastic(const qcSceneSoftBody& soft)
-{
-    return soft.moves && soft.body->isActive() && soft.body->m_tetras.size() > 0;
-}
 
 /// The soft body of a key, if the scene still has it.
 qcSceneSoftBody* FindSoft(qcSoftBodyScene& scene, const qcObjectKey& key)
@@ -29,22 +24,39 @@ qcSceneSoftBody* FindSoft(qcSoftBodyScene& scene, const qcObjectKey& key)
 }
 } // namespace
 
+void qcElasticContacts::FindCovered(qcSoftBodyScene& scene)
+{
+    m_isCovered.clear();
+    for (const qcSceneSoftBody& soft : scene.Bodies())
+        m_isCovered.push_back(m_elasticity->Covers(soft));
+}
+
+/// True if the rigid body already presses on the soft body: what is borne strains it no more.
+bool qcElasticContacts::IsLoad(const Kept& kept) const
+{
+    return std::find(m_loads.begin(), m_loads.end(), std::make_pair(kept.soft[0], kept.rigid.object)) != m_loads.end();
+}
+
 /// False: the contact is none of this class.
 bool qcElasticContacts::MakeKept(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
                                  const qcSoftConstraint& constraint, Kept* kept) const
 {
     const qcSceneSoftBody* softs[2] = {nullptr, nullptr};
+    btScalar pushed = 0;
     kept->nodeCount = constraint.nodeCount;
     for (int i = 0; i < constraint.nodeCount; i++)
     {
         const qcSceneSoftBody* soft = scene.OwnerOf(constraint.position[i], &kept->nodes[i]);
         const int side = constraint.weight[i] < 0;
-        if (soft == nullptr || !IsElastic(*soft))
+        if (soft == nullptr || !IsCovered(scene, *soft))
             return false;
         softs[side] = soft;
         kept->soft[side] = {soft->body, soft->uniqueId};
         kept->sides[i] = side;
         kept->weights[i] = constraint.weight[i];
+        if (side == 0)
+            pushed +=
+                constraint.weight[i] * constraint.normal.dot(*constraint.position[i] - soft->solved[kept->nodes[i]]);
     }
     kept->thickness = constraint.thickness;
     kept->friction = constraint.friction;
@@ -52,21 +64,53 @@ bool qcElasticContacts::MakeKept(qcSoftBodyScene& scene, const qcSoftTangles& ta
     if (constraint.rigid == nullptr)
         return softs[0] != softs[1] && !tangles.AreTangled(softs[0]->id.slot, softs[1]->id.slot);
     kept->rigid = qcHeldPointOf(constraint);
+    kept->isStrain = constraint.rigid->body != nullptr &&
+                     m_elasticity->MayLie(*constraint.rigid->body, constraint.normal) &&
+                     (m_elasticity->IsStrain(*softs[0], pushed) || IsLoad(*kept));
     // The joints of links carry their load, and are solved elsewhere.
     return (!constraint.rigid->CanMove() || (constraint.rigid->body != nullptr && !constraint.rigid->isFixed)) &&
            !tangles.AreTangled(*softs[0], *constraint.rigid);
+}
+
+void qcElasticContacts::ReadPredicted(qcSoftBodyScene& scene)
+{
+    for (Kept& kept : m_kept)
+    {
+        const qcSceneSoftBody* softs[2] = {FindSoft(scene, kept.soft[0]), FindSoft(scene, kept.soft[1])};
+        kept.predicted.setZero();
+        for (int i = 0; i < kept.nodeCount; i++)
+        {
+            const qcSceneSoftBody* soft = softs[kept.sides[i]];
+            if (soft != nullptr && int(kept.nodes[i]) < soft->NodeCount())
+                kept.predicted += kept.weights[i] * soft->body->m_nodes[int(kept.nodes[i])].m_x;
+        }
+    }
 }
 
 void qcElasticContacts::Keep(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
                              const std::vector<qcSoftConstraint>& constraints)
 {
     m_kept.clear();
+    const bool byRigidsOnly = m_elasticity->IsStrainedByRigidsOnly();
+    if (byRigidsOnly && std::none_of(constraints.begin(), constraints.end(),
+                                     [](const qcSoftConstraint& constraint)
+                                     { return constraint.rigid != nullptr && constraint.rigid->CanMove(); }))
+        return;
+    FindCovered(scene);
+    std::set<const btCollisionObject*> inChains;
     for (const qcSoftConstraint& constraint : constraints)
     {
         Kept kept;
         if (MakeKept(scene, tangles, constraint, &kept))
             m_kept.push_back(kept);
+        if (constraint.isInChain && constraint.rigid != nullptr)
+            inChains.insert(constraint.rigid->object);
     }
+    // What lies behind the nodes bears these, by force chains.
+    for (Kept& kept : m_kept)
+        kept.isStrain = kept.isStrain && inChains.count(kept.rigid.object.object) == 0;
+    if (byRigidsOnly && std::none_of(m_kept.begin(), m_kept.end(), [](const Kept& kept) { return kept.isStrain; }))
+        m_kept.clear();
 }
 
 /// False: the object holds nothing any more.
@@ -81,6 +125,9 @@ bool qcElasticContacts::AddRigidSide(const Kept& kept, qcPresentObjects* present
     *end -= point;
     spring->normal = kept.rigid.Normal();
     spring->arm = point - object->getWorldTransform().getOrigin();
+    // The polyhedron around a sphere would turn it without friction.
+    if (object->getCollisionShape()->getShapeType() == SPHERE_SHAPE_PROXYTYPE)
+        spring->arm = spring->normal * spring->normal.dot(spring->arm);
     btRigidBody* body = btRigidBody::upcast(object);
     if (body == nullptr || body->isStaticOrKinematicObject())
         return true;
@@ -96,11 +143,15 @@ void qcElasticContacts::AddSpring(qcSoftBodyScene& scene, const Kept& kept, qcPr
 {
     qcSceneSoftBody* softs[2] = {FindSoft(scene, kept.soft[0]), FindSoft(scene, kept.soft[1])};
     const bool isRigid = kept.rigid.object.object != nullptr;
-    if (softs[0] == nullptr || !IsElastic(*softs[0]) ||
-        (!isRigid &&
-         (softs[1] == nullptr || !IsElastic(*softs[1]) || !qcHasResponse(scene, softs[0]->id.slot, softs[1]->id.slot))))
+    if (softs[0] == nullptr || !IsCovered(scene, *softs[0]) ||
+        (!isRigid && (softs[1] == nullptr || !IsCovered(scene, *softs[1]) ||
+                      !qcHasResponse(scene, softs[0]->id.slot, softs[1]->id.slot))))
         return;
     qcElasticSpring spring;
+    Sides sides;
+    std::copy(softs, softs + 2, sides.soft);
+    sides.rigid = kept.rigid.object;
+    sides.isStrain = kept.isStrain;
     btVector3 start(0, 0, 0), end(0, 0, 0);
     spring.nodeCount = kept.nodeCount;
     spring.friction = kept.friction;
@@ -111,16 +162,19 @@ void qcElasticContacts::AddSpring(qcSoftBodyScene& scene, const Kept& kept, qcPr
         // What the application moves is no motion to be held.
         if (int(kept.nodes[i]) >= soft.NodeCount() || (!soft.applied.empty() && !soft.applied[kept.nodes[i]].isZero()))
             return;
-        const btSoftBody::Node& node = soft.body->m_nodes[int(kept.nodes[i])];
-        spring.nodes[i] = node.index;
+        spring.nodes[i] = int(kept.nodes[i]);
+        sides.ofNodes[i] = kept.sides[i];
         spring.weights[i] = kept.weights[i];
         start += kept.weights[i] * soft.start[kept.nodes[i]];
-        end += kept.weights[i] * node.m_x;
+        end += kept.weights[i] * soft.body->m_nodes[int(kept.nodes[i])].m_x;
     }
+    const btVector3 ofNodes = end;
     if (isRigid && !AddRigidSide(kept, present, *softs[0], &start, &end, &spring))
         return;
     const btScalar gap = spring.normal.dot(start);
-    if (!qcMayHold(gap, kept.thickness) || !std::isfinite(end.length2()))
+    // What comes near a sheet in a step may touch it in the next one only: it is thin, and its nodes are fast.
+    const bool mayHold = m_elasticity->KeepsEnergy() ? qcMayHold(gap, kept.thickness) : gap > 0;
+    if (!mayHold || !std::isfinite(end.length2()))
         return;
     // Sticks, until friction is known. Gaps that are too small are restored later, without this system's stiffness:
     // that would give bodies the energy to fly apart.
@@ -128,8 +182,13 @@ void qcElasticContacts::AddSpring(qcSoftBodyScene& scene, const Kept& kept, qcPr
     const btVector3 motion = end - start;
     spring.missing = spring.normal * (along + spring.normal.dot(motion)) - motion;
     spring.isClosed = along > 0;
+    if (!m_elasticity->KeepsEnergy())
+        spring.held = std::min(kept.friction, btScalar(1));
+    if (isRigid)
+        sides.rigidMotion = kept.rigid.Point() - kept.rigid.point;
+    sides.sprung = ofNodes - kept.predicted;
     m_springs.push_back(spring);
-    m_sides.push_back({{softs[0], softs[1]}});
+    m_sides.push_back(sides);
 }
 
 /// True if what is fixed presses a body from opposite sides.
@@ -151,49 +210,158 @@ bool qcElasticContacts::IsSqueezed(const qcSceneSoftBody& soft) const
     return false;
 }
 
-/// Leaves only the springs of bodies that carry or press another body that can move, or are squeezed. Others rest on
-/// what is fixed: the contacts that follow stop these as well.
-void qcElasticContacts::LeaveUnloaded()
+/// The entry of a body that is loaded, or null.
+qcNodeElasticity::LoadedBody* qcElasticContacts::FindLoaded(const qcSceneSoftBody* soft)
 {
-    m_loaded.clear();
-    auto isLoaded = [this](const qcSceneSoftBody* soft)
-    { return std::find(m_loaded.begin(), m_loaded.end(), soft) != m_loaded.end(); };
-    std::vector<qcSceneSoftBody*> resting;
-    for (size_t i = 0; i < m_springs.size(); i++)
-        if (m_springs[i].isClosed && (m_springs[i].rigid >= 0 || m_sides[i].soft[1] != nullptr))
-        {
-            for (qcSceneSoftBody* soft : m_sides[i].soft)
-                if (soft != nullptr && !isLoaded(soft))
-                    m_loaded.push_back(soft);
-        }
-        else if (resting.empty() || resting.back() != m_sides[i].soft[0])
-            resting.push_back(m_sides[i].soft[0]);
-    for (qcSceneSoftBody* soft : resting)
-        if (!isLoaded(soft) && IsSqueezed(*soft))
-            m_loaded.push_back(soft);
-    size_t count = 0;
-    for (size_t i = 0; i < m_springs.size(); i++)
-        if (isLoaded(m_sides[i].soft[0]))
-            m_springs[count++] = m_springs[i];
-    m_springs.resize(count);
+    for (qcNodeElasticity::LoadedBody& loaded : m_loaded)
+        if (loaded.soft == soft)
+            return &loaded;
+    return nullptr;
 }
 
-void qcElasticContacts::Solve(qcSoftBodyScene& scene, const btDeformableBodySolver& solver, btScalar timeStep)
+void qcElasticContacts::AddLoaded(qcSceneSoftBody* soft, btScalar load)
 {
-    const btDeformableBackwardEulerObjective& objective = *solver.m_objective;
-    // Bullet 3.24's implicit solver without projection doesn't move what is at rest: loads have no counterpart there.
-    if (m_kept.empty() || (objective.m_implicit && !solver.m_useProjection))
+    if (qcNodeElasticity::LoadedBody* loaded = FindLoaded(soft))
+        loaded->load += load;
+    else
+        m_loaded.push_back({soft, load});
+}
+
+/// True if soft bodies of the spring need their elasticity to bear the other side.
+bool qcElasticContacts::IsStrained(size_t spring) const
+{
+    if (!m_springs[spring].isClosed)
+        return false;
+    return m_springs[spring].rigid >= 0 ? m_sides[spring].isStrain
+                                        : m_sides[spring].soft[1] != nullptr && !m_elasticity->IsStrainedByRigidsOnly();
+}
+
+/// Finds the bodies that carry or press another body that can move, or are squeezed. Others rest on what is fixed: the
+/// contacts that follow stop these as well.
+void qcElasticContacts::FindLoads()
+{
+    m_loaded.clear();
+    std::vector<std::pair<qcObjectKey, qcObjectKey>> loads;
+    for (size_t i = 0; i < m_springs.size(); i++)
+    {
+        if (!IsStrained(i))
+            continue;
+        const Sides& sides = m_sides[i];
+        AddLoaded(sides.soft[0], 0);
+        if (sides.soft[1] != nullptr)
+            AddLoaded(sides.soft[1], 0);
+        if (m_springs[i].rigid < 0)
+            continue;
+        const std::pair<qcObjectKey, qcObjectKey> load = {{sides.soft[0]->body, sides.soft[0]->uniqueId}, sides.rigid};
+        if (std::find(loads.begin(), loads.end(), load) != loads.end())
+            continue;
+        loads.push_back(load);
+        AddLoaded(sides.soft[0], 1 / btRigidBody::upcast(sides.rigid.object)->getInvMass());
+    }
+    m_loads.swap(loads);
+    if (m_elasticity->IsStrainedByRigidsOnly())
         return;
+    for (size_t i = 0; i < m_springs.size(); i++)
+        if (m_springs[i].rigid < 0 && m_sides[i].soft[1] == nullptr && FindLoaded(m_sides[i].soft[0]) == nullptr &&
+            IsSqueezed(*m_sides[i].soft[0]))
+            AddLoaded(m_sides[i].soft[0], 0);
+}
+
+/// Adds the bodies that pass the loads on.
+void qcElasticContacts::SpreadLoads()
+{
+    for (bool changed = !m_loaded.empty(); changed;)
+    {
+        changed = false;
+        for (size_t i = 0; i < m_springs.size(); i++)
+            for (int side = 0; side < 2 && m_springs[i].isClosed && m_sides[i].soft[1] != nullptr; side++)
+            {
+                const qcNodeElasticity::LoadedBody* from = FindLoaded(m_sides[i].soft[side]);
+                if (from == nullptr || FindLoaded(m_sides[i].soft[1 - side]) != nullptr)
+                    continue;
+                AddLoaded(m_sides[i].soft[1 - side], from->load);
+                changed = true;
+            }
+    }
+}
+
+/// Leaves only the springs of loaded bodies.
+void qcElasticContacts::LeaveUnloaded()
+{
+    size_t count = 0;
+    for (size_t i = 0; i < m_springs.size(); i++)
+        if (FindLoaded(m_sides[i].soft[0]) != nullptr &&
+            (m_sides[i].soft[1] == nullptr || FindLoaded(m_sides[i].soft[1]) != nullptr))
+        {
+            m_springs[count] = m_springs[i];
+            m_sides[count++] = m_sides[i];
+        }
+    m_springs.resize(count);
+    m_sides.resize(count);
+}
+
+/// Replaces the indices of nodes in their bodies by the numbers of all.
+void qcElasticContacts::NumberNodes()
+{
+    for (size_t i = 0; i < m_springs.size(); i++)
+        for (int k = 0; k < m_springs[i].nodeCount; k++)
+        {
+            const auto body = size_t(FindLoaded(m_sides[i].soft[m_sides[i].ofNodes[k]]) - m_loaded.data());
+            m_springs[i].nodes[k] += m_elasticity->FirstNodeOf(body);
+        }
+}
+
+/// Limits what springs stop of rigid bodies' motion, and what these get back. Springs have the normals of the last
+/// step: those in front of a body that slides would be a wall, so that only its motion along their sum counts.
+void qcElasticContacts::LimitRebounds()
+{
+    std::vector<btVector3> sums(m_springs.size(), btVector3(0, 0, 0)); // by rigid body
+    for (const qcElasticSpring& spring : m_springs)
+        if (spring.rigid >= 0 && spring.isClosed)
+            sums[size_t(spring.rigid)] += spring.normal;
+    for (size_t i = 0; i < m_springs.size(); i++)
+    {
+        qcElasticSpring& spring = m_springs[i];
+        if (spring.rigid < 0)
+            continue;
+        btVector3 motion = m_sides[i].rigidMotion;
+        const btVector3& sum = sums[size_t(spring.rigid)];
+        if (sum.length2() > 0)
+        {
+            const btScalar along = spring.normal.dot(motion - sum * (sum.dot(motion) / sum.length2()));
+            const btVector3 sliding = spring.normal * std::max(along, btScalar(0));
+            spring.missing -= sliding;
+            motion -= sliding;
+        }
+        m_rebounds.Limit(*m_sides[i].soft[0], m_sides[i].rigid, motion, m_sides[i].sprung, &spring);
+    }
+}
+
+void qcElasticContacts::Solve(qcSoftBodyScene& scene, qcPresentObjects* present, btScalar timeStep)
+{
+    m_rebounds.Begin(timeStep);
+    if (m_kept.empty())
+    {
+        m_loads.clear();
+        return;
+    }
+    FindCovered(scene);
     m_springs.clear();
     m_sides.clear();
     m_system.Begin();
-    qcPresentObjects present(scene);
     for (const Kept& kept : m_kept)
-        AddSpring(scene, kept, &present);
+        AddSpring(scene, kept, present);
+    FindLoads();
+    SpreadLoads();
     LeaveUnloaded();
-    if (m_loaded.empty())
+    if (m_loaded.empty() || !m_elasticity->Begin(m_loaded, timeStep))
         return;
     BT_PROFILE("qcSoftBodyContact elastic contacts");
-    if (m_system.Solve(objective, m_loaded, timeStep, &m_springs))
-        m_system.Apply();
+    NumberNodes();
+    if (!m_elasticity->KeepsEnergy())
+        LimitRebounds();
+    if (!m_system.Solve(m_elasticity.get(), m_loaded, &m_springs))
+        return;
+    m_rebounds.End(m_system);
+    m_system.Apply(timeStep);
 }

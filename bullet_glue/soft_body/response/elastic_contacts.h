@@ -1,26 +1,29 @@
-// Contacts of the previous step of tetrahedral bodies, with their elasticity.
-//
-// Bullet solves elasticity before contacts are found here, and these move a node by its own mass: what surrounds it
-// bears on the other side from the next step on only. In stiff bodies the nodes' masses are next to nothing, so one
-// that carried several times its mass was crushed.
+// Contacts of the previous step of bodies that carry or press something, with their elasticity.
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_ELASTIC_CONTACTS_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_ELASTIC_CONTACTS_H
 
-#include "soft_body/response/elastic_system.h"
 #include "soft_body/response/position_constraints.h"
 #include "soft_body/response/present_objects.h"
+#include "soft_body/response/rebounds.h"
 
-class btDeformableBodySolver;
+#include <memory>
 
 class qcElasticContacts
 {
   public:
-    /// Keeps the contacts of tetrahedral bodies with each other and with rigid ones, at the end of a step, but for
-    /// those of tangled bodies: parts of them are on the wrong side.
+    /// `elasticity`: of the world's soft bodies; it decides which of them count.
+    void SetElasticity(std::unique_ptr<qcNodeElasticity> elasticity)
+    {
+        m_elasticity = std::move(elasticity);
+    }
+    /// Keeps the contacts of soft bodies with each other and with rigid ones, at the end of a step, but for those of
+    /// tangled bodies: parts of them are on the wrong side.
     void Keep(qcSoftBodyScene& scene, const qcSoftTangles& tangles, const std::vector<qcSoftConstraint>& constraints);
+    /// Reads where nodes are before Bullet's solver moves them to where links and other constraints have them.
+    void ReadPredicted(qcSoftBodyScene& scene);
     /// Moves bodies that carry or press something, and what they carry, as the kept contacts require; velocities
     /// follow. Bullet has moved all bodies in this step.
-    void Solve(qcSoftBodyScene& scene, const btDeformableBodySolver& solver, btScalar timeStep);
+    void Solve(qcSoftBodyScene& scene, qcPresentObjects* present, btScalar timeStep);
 
   private:
     /// A contact at the end of a step. Side A is a soft body; side B another one, or a rigid object.
@@ -34,25 +37,50 @@ class qcElasticContacts
         qcHeldPoint rigid;                        ///< without an object: side B is a soft body
         btVector3 normal{0, 0, 0};                ///< between soft bodies: towards side A
         btScalar thickness = 0, friction = 0;
+        bool isStrain = false;
+        btVector3 predicted{0, 0, 0}; ///< weighted sum of its nodes before Bullet's solver
     };
-    /// A spring and the soft bodies on its sides.
+    /// A spring's sides.
     struct Sides
     {
-        qcSceneSoftBody* soft[2];
+        qcSceneSoftBody* soft[2] = {nullptr, nullptr};
+        int ofNodes[6] = {0, 0, 0, 0, 0, 0}; ///< by node: 0 or 1
+        qcObjectKey rigid{nullptr, -1};      ///< without an object: none
+        bool isStrain = false;
+        btVector3 rigidMotion{0, 0, 0}; ///< of the rigid body's point in this step
+        btVector3 sprung{0, 0, 0};      ///< motion of its nodes by Bullet's solver
     };
 
+    void FindCovered(qcSoftBodyScene& scene);
+    bool IsCovered(qcSoftBodyScene& scene, const qcSceneSoftBody& soft) const
+    {
+        return m_isCovered[size_t(&soft - scene.Bodies().data())];
+    }
     bool MakeKept(qcSoftBodyScene& scene, const qcSoftTangles& tangles, const qcSoftConstraint& constraint,
                   Kept* kept) const;
     bool AddRigidSide(const Kept& kept, qcPresentObjects* present, const qcSceneSoftBody& soft, btVector3* start,
                       btVector3* end, qcElasticSpring* spring);
     void AddSpring(qcSoftBodyScene& scene, const Kept& kept, qcPresentObjects* present);
     bool IsSqueezed(const qcSceneSoftBody& soft) const;
+    qcNodeElasticity::LoadedBody* FindLoaded(const qcSceneSoftBody* soft);
+    void AddLoaded(qcSceneSoftBody* soft, btScalar load);
+    bool IsLoad(const Kept& kept) const;
+    bool IsStrained(size_t spring) const;
+    void FindLoads();
+    void SpreadLoads();
     void LeaveUnloaded();
+    void NumberNodes();
+    void LimitRebounds();
 
+    std::vector<bool> m_isCovered; ///< by soft body of the scene
     std::vector<Kept> m_kept;
     std::vector<qcElasticSpring> m_springs;
     std::vector<Sides> m_sides; ///< by spring
-    std::vector<qcSceneSoftBody*> m_loaded;
+    std::vector<qcNodeElasticity::LoadedBody> m_loaded;
+    /// Pairs of a soft body and a rigid one that presses on it, as of the last step.
+    std::vector<std::pair<qcObjectKey, qcObjectKey>> m_loads;
+    std::unique_ptr<qcNodeElasticity> m_elasticity;
+    qcRebounds m_rebounds;
     qcElasticSystem m_system;
 };
 

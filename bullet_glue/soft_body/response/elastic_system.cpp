@@ -2,18 +2,15 @@
 // holds, so that all forces take energy; contacts that pull are opened, and the system is solved again.
 #include "soft_body/response/elastic_system.h"
 
-#include "common/rigid_displacement.h"
+#include "common/union_find.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace
 {
-// Stiffness of a spring, in units of that of its nodes with all others fixed. Softer ones leave more of a load to the
-// contacts that follow, which know no elasticity; stiffer ones take more iterations.
-constexpr btScalar s_stiffness = 20;
-// Iterations and rounds only change how exact the solution is. A resting load takes one round, of 15 to 60.
-constexpr int s_maxIterations = 100, s_maxRounds = 4;
+// Rounds only change how exact the solution is. A resting load takes one.
+constexpr int s_maxRounds = 4;
 // The residual at the end, as a share of the forces of the springs; iterations from one look at it to the next.
 constexpr btScalar s_tolerance = btScalar(0.03);
 constexpr int s_checkInterval = 4;
@@ -21,8 +18,6 @@ constexpr int s_checkInterval = 4;
 constexpr btScalar s_heldChange = btScalar(0.1);
 // In the system, locked directions of a body give way by this part of what free ones do. Factors then lock the body.
 constexpr btScalar s_locked = btScalar(1e-6);
-// Steps after which what resists single nodes is found anew.
-constexpr int s_maxAge = 100;
 
 btMatrix3x3 OnDiagonal(const btVector3& d)
 {
@@ -32,6 +27,12 @@ btMatrix3x3 OnDiagonal(const btVector3& d)
 btMatrix3x3 Scaled(btScalar s)
 {
     return OnDiagonal(btVector3(s, s, s));
+}
+
+/// A third of the trace.
+btScalar MeanOf(const btMatrix3x3& block)
+{
+    return (block[0][0] + block[1][1] + block[2][2]) / 3;
 }
 
 /// What resists a body's translation along the axes.
@@ -53,7 +54,7 @@ btMatrix3x3 InertiaOf(const btRigidBody& body)
     const btMatrix3x3 roots =
         OnDiagonal(btVector3(btSqrt(btMax(factor.x(), btScalar(0))), btSqrt(btMax(factor.y(), btScalar(0))),
                              btSqrt(btMax(factor.z(), btScalar(0)))));
-    const btScalar mean = (inverse[0][0] + inverse[1][1] + inverse[2][2]) / 3;
+    const btScalar mean = MeanOf(inverse);
     const btScalar unit = mean > 0 ? mean : body.getInvMass();
     return ((roots * inverse * roots) * (1 / unit) + Scaled(s_locked)).inverse() * (1 / unit);
 }
@@ -86,45 +87,6 @@ double Dot(const qcElasticSystem::Vector& a, const qcElasticSystem::Vector& b)
         sum += double(a[i].dot(b[i]));
     return sum;
 }
-
-/// A colour for each node, so that neighbours have different ones: those that a link or a tetrahedron connects.
-std::vector<int> ColourNodes(size_t count, const std::vector<qcSceneSoftBody*>& bodies)
-{
-    std::vector<std::vector<int>> neighbours(count);
-    auto connect = [&neighbours](const btSoftBody::Node* a, const btSoftBody::Node* b)
-    {
-        neighbours[size_t(a->index)].push_back(b->index);
-        neighbours[size_t(b->index)].push_back(a->index);
-    };
-    for (const qcSceneSoftBody* soft : bodies)
-    {
-        for (int i = 0; i < soft->body->m_links.size(); i++)
-            connect(soft->body->m_links[i].m_n[0], soft->body->m_links[i].m_n[1]);
-        for (int i = 0; i < soft->body->m_tetras.size(); i++)
-            for (int k = 0; k < 6; k++)
-            {
-                static const int s_edges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
-                btSoftBody::Node* const* nodes = soft->body->m_tetras[i].m_n;
-                connect(nodes[s_edges[k][0]], nodes[s_edges[k][1]]);
-            }
-    }
-    std::vector<int> colours(count, -1);
-    for (size_t i = 0; i < count; i++)
-    {
-        std::vector<bool> isTaken(neighbours[i].size() + 1, false);
-        for (int neighbour : neighbours[i])
-            if (colours[size_t(neighbour)] >= 0 && size_t(colours[size_t(neighbour)]) < isTaken.size())
-                isTaken[size_t(colours[size_t(neighbour)])] = true;
-        colours[i] = int(std::find(isTaken.begin(), isTaken.end(), false) - isTaken.begin());
-    }
-    return colours;
-}
-
-void SetZero(qcElasticSystem::Vector* x)
-{
-    for (int i = 0; i < x->size(); i++)
-        (*x)[i].setZero();
-}
 } // namespace
 
 void qcElasticSystem::Begin()
@@ -141,66 +103,89 @@ int qcElasticSystem::AddRigid(btRigidBody* body)
     return int(found - m_rigids.begin());
 }
 
-/// The nodes that the system moves, and the forces on them. False: Bullet has numbered other nodes, as it does after
-/// one body was exchanged for another of as many nodes.
-bool qcElasticSystem::FindNodes(const btDeformableBackwardEulerObjective& objective,
-                                const std::vector<qcSceneSoftBody*>& bodies)
+/// The nodes that the system moves.
+void qcElasticSystem::FindNodes(const std::vector<qcNodeElasticity::LoadedBody>& bodies)
 {
-    m_forces.clear();
-    m_nodes.assign(size_t(objective.m_nodes.size()), nullptr);
+    m_nodes.assign(size_t(m_elasticity->NodeCount()), nullptr);
     m_bodyOfNode.assign(m_nodes.size(), -1);
     m_bodyInverses.resize(bodies.size());
     for (size_t body = 0; body < bodies.size(); body++)
-        for (int i = 0; i < bodies[body]->NodeCount(); i++)
+        for (int i = 0; i < bodies[body].soft->NodeCount(); i++)
         {
-            btSoftBody::Node& node = bodies[body]->body->m_nodes[i];
-            if (size_t(node.index) >= m_nodes.size() || objective.m_nodes[node.index] != &node)
-                return false;
-            if (!(bodies[body]->InverseMass(uint32_t(i)) > 0))
-                continue;
-            m_nodes[size_t(node.index)] = &node;
-            m_bodyOfNode[size_t(node.index)] = int(body);
+            const auto number = size_t(m_elasticity->FirstNodeOf(body) + i);
+            m_bodyOfNode[number] = int(body);
+            if (bodies[body].soft->InverseMass(uint32_t(i)) > 0)
+                m_nodes[number] = &bodies[body].soft->body->m_nodes[i];
         }
-    for (int i = 0; i < objective.m_lf.size(); i++)
-    {
-        btDeformableLagrangianForce* force = objective.m_lf[i];
-        auto isOf = [force](const qcSceneSoftBody* soft)
-        { return force->m_softBodies.findLinearSearch(soft->body) < force->m_softBodies.size(); };
-        if (force->getForceType() != BT_GRAVITY_FORCE && std::any_of(bodies.begin(), bodies.end(), isOf))
-            m_forces.push_back(force);
-    }
-    return true;
 }
 
-/// Finds m_inertia from the images of displacements of nodes of which no two are neighbours.
-void qcElasticSystem::FindInertia(const std::vector<qcSceneSoftBody*>& bodies)
+void qcElasticSystem::FindInertia()
 {
-    std::vector<qcObjectKey> keys;
-    for (const qcSceneSoftBody* soft : bodies)
-        keys.emplace_back(soft->body, soft->uniqueId);
-    const bool isKnown = m_inertia.size() == m_nodes.size() && keys == m_bodiesOfInertia &&
-                         m_forces == m_forcesOfInertia && m_timeStep == m_stepOfInertia;
-    if (isKnown && ++m_ageOfInertia < s_maxAge)
+    std::vector<bool> isNode(m_nodes.size());
+    m_inertia.assign(m_nodes.size(), Scaled(0));
+    for (size_t i = 0; i < m_nodes.size(); i++)
+    {
+        isNode[i] = m_nodes[i] != nullptr;
+        if (isNode[i])
+            m_inertia[i] = Scaled(1 / m_nodes[i]->m_im);
+    }
+    m_elasticity->AddDiagonal(isNode, &m_inertia);
+}
+
+/// Finds the bodies that springs connect, where none is held.
+void qcElasticSystem::FindGroups()
+{
+    const size_t bodyCount = m_bodyInverses.size(), fixed = bodyCount + m_rigids.size();
+    qcUnionFind sets;
+    sets.Reset(fixed + 1);
+    for (size_t i = 0; i < m_nodes.size(); i++)
+        if (m_nodes[i] == nullptr && m_bodyOfNode[i] >= 0)
+            sets.Unite(uint32_t(m_bodyOfNode[i]), uint32_t(fixed));
+    for (size_t i = 0; i < m_rigids.size(); i++)
+        if (!qcIsFree(*m_rigids[i].body))
+            sets.Unite(uint32_t(bodyCount + i), uint32_t(fixed));
+    for (const qcElasticSpring& spring : *m_springs)
+    {
+        uint32_t sides[2] = {uint32_t(fixed),
+                             spring.rigid < 0 ? uint32_t(fixed) : uint32_t(bodyCount) + uint32_t(spring.rigid)};
+        for (int i = 0; i < spring.nodeCount; i++)
+            sides[spring.weights[i] < 0] = uint32_t(m_bodyOfNode[size_t(spring.nodes[i])]);
+        sets.Unite(sides[0], sides[1]);
+    }
+    m_groups.resize(fixed);
+    for (size_t i = 0; i < fixed; i++)
+    {
+        const uint32_t set = sets.Find(uint32_t(i));
+        m_groups[i] = set == sets.Find(uint32_t(fixed)) ? -1 : int(set);
+    }
+}
+
+/// Makes the momentum of each group zero. What is inside of one changes none, and neither do iterations that don't get
+/// to the end.
+void qcElasticSystem::RemoveMomentum(Vector* x) const
+{
+    if (std::all_of(m_groups.begin(), m_groups.end(), [](int group) { return group < 0; }))
         return;
-    m_bodiesOfInertia = keys;
-    m_forcesOfInertia = m_forces;
-    m_stepOfInertia = m_timeStep;
-    m_ageOfInertia = 0;
-    m_inertia.assign(m_nodes.size(), 0);
-    const std::vector<int> colours = ColourNodes(m_nodes.size(), bodies);
-    const int count = colours.empty() ? 0 : *std::max_element(colours.begin(), colours.end()) + 1;
-    for (int colour = 0; colour < count; colour++)
-        for (int axis = 0; axis < 3; axis++)
+    const size_t bodyCount = m_bodyInverses.size();
+    m_momenta.assign(m_groups.size(), {btVector3(0, 0, 0), 0});
+    auto forEach = [&](const auto& function)
+    {
+        for (size_t i = 0; i < m_nodes.size(); i++)
+            if (m_nodes[i] != nullptr && m_groups[size_t(m_bodyOfNode[i])] >= 0)
+                function(m_momenta[size_t(m_groups[size_t(m_bodyOfNode[i])])], 1 / m_nodes[i]->m_im, (*x)[int(i)]);
+        for (size_t i = 0; i < m_rigids.size(); i++)
+            if (m_groups[bodyCount + i] >= 0)
+                function(m_momenta[size_t(m_groups[bodyCount + i])], 1 / m_rigids[i].body->getInvMass(),
+                         (*x)[At(int(i))]);
+    };
+    forEach(
+        [](Momentum& momentum, btScalar mass, const btVector3& displacement)
         {
-            SetZero(&m_direction);
-            for (size_t i = 0; i < m_nodes.size(); i++)
-                if (m_nodes[i] != nullptr && colours[i] == colour)
-                    m_direction[int(i)][axis] = 1;
-            MultiplyNodes(m_direction, &m_image);
-            for (size_t i = 0; i < m_nodes.size(); i++)
-                if (m_nodes[i] != nullptr && colours[i] == colour)
-                    m_inertia[i] += std::max(m_image[int(i)][axis], 1 / m_nodes[i]->m_im) / 3;
-        }
+            momentum.sum += mass * displacement;
+            momentum.mass += mass;
+        });
+    forEach([](const Momentum& momentum, btScalar, btVector3& displacement)
+            { displacement -= momentum.sum / momentum.mass; });
 }
 
 void qcElasticSystem::SetStiffness()
@@ -210,8 +195,8 @@ void qcElasticSystem::SetStiffness()
         btScalar compliance = 0;
         for (int i = 0; i < spring.nodeCount; i++)
             if (m_nodes[size_t(spring.nodes[i])] != nullptr)
-                compliance += spring.weights[i] * spring.weights[i] / m_inertia[size_t(spring.nodes[i])];
-        spring.stiffness = compliance > 0 ? s_stiffness / compliance : btScalar(0);
+                compliance += spring.weights[i] * spring.weights[i] / MeanOf(m_inertia[size_t(spring.nodes[i])]);
+        spring.stiffness = compliance > 0 ? m_elasticity->SpringStiffness() / compliance : btScalar(0);
     }
 }
 
@@ -235,18 +220,13 @@ void qcElasticSystem::AddForce(const qcElasticSpring& spring, const btVector3& f
     (*to)[At(spring.rigid) + 1] -= spring.arm.cross(force);
 }
 
-/// What resists a displacement of the nodes: masses, elasticity and damping as in
-/// btDeformableBackwardEulerObjective::multiply.
+/// What resists a displacement of the nodes: masses and elasticity.
 void qcElasticSystem::MultiplyNodes(const Vector& x, Vector* result) const
 {
     Vector& b = *result;
     for (size_t i = 0; i < m_nodes.size(); i++)
         b[int(i)] = m_nodes[i] != nullptr ? x[int(i)] / m_nodes[i]->m_im : btVector3(0, 0, 0);
-    for (btDeformableLagrangianForce* force : m_forces)
-    {
-        force->addScaledDampingForceDifferential(-m_timeStep, x, b);
-        force->addScaledElasticForceDifferential(-m_timeStep * m_timeStep, x, b);
-    }
+    m_elasticity->AddForces(x, result);
     for (size_t i = 0; i < m_nodes.size(); i++)
         if (m_nodes[i] == nullptr)
             b[int(i)].setZero();
@@ -277,7 +257,7 @@ void qcElasticSystem::FindBlocks()
     {
         if (m_nodes[i] == nullptr)
             continue;
-        m_inverses[i] = Scaled(m_inertia[i]);
+        m_inverses[i] = m_inertia[i];
         m_bodyInverses[size_t(m_bodyOfNode[i])] += Scaled(1 / m_nodes[i]->m_im);
     }
     for (int i = 0; i < int(m_rigids.size()); i++)
@@ -335,7 +315,7 @@ void qcElasticSystem::Precondition(const Vector& r, Vector* result) const
 /// The square of the forces of the springs, in the norm of the residual. It changes m_image.
 double qcElasticSystem::SquareOfForces()
 {
-    SetZero(&m_forcesOfSprings);
+    qcSetZero(&m_forcesOfSprings);
     for (const qcElasticSpring& spring : *m_springs)
         if (spring.isClosed)
             AddForce(spring, ForceOf(spring, spring.missing - Relative(spring, m_x)), &m_forcesOfSprings);
@@ -346,24 +326,28 @@ double qcElasticSystem::SquareOfForces()
 /// Solves for the springs that are closed, from m_x on.
 void qcElasticSystem::SolveClosed()
 {
-    SetZero(&m_right);
+    qcSetZero(&m_right);
     for (const qcElasticSpring& spring : *m_springs)
         if (spring.isClosed)
             AddForce(spring, ForceOf(spring, spring.missing), &m_right);
     FindBlocks();
+    RemoveMomentum(&m_x);
     Multiply(m_x, &m_image);
-    // Iterations only lower the energy. From a guess that has less than no displacement has, none is gained.
-    if (!(Dot(m_x, m_image) < 2 * Dot(m_x, m_right)))
+    // Iterations only lower the energy. So does the best multiple of the guess.
+    const double curvatureOfGuess = Dot(m_x, m_image);
+    const double share = curvatureOfGuess > 0 ? Dot(m_x, m_right) / curvatureOfGuess : 0;
+    for (int i = 0; i < m_x.size(); i++)
     {
-        SetZero(&m_x);
-        SetZero(&m_image);
+        m_x[i] *= btScalar(share);
+        m_image[i] *= btScalar(share);
     }
     for (int i = 0; i < m_x.size(); i++)
         m_residual[i] = m_right[i] - m_image[i];
     Precondition(m_residual, &m_preconditioned);
+    RemoveMomentum(&m_preconditioned);
     m_direction.copyFromArray(m_preconditioned);
     double square = Dot(m_residual, m_preconditioned);
-    for (int k = 0; k < s_maxIterations && square > 0; k++)
+    for (int k = 0; k < m_elasticity->MaxIterations() && square > 0; k++)
     {
         // What the springs push is the small rest of what they would push at first.
         if (k % s_checkInterval == 0 && square < double(s_tolerance) * double(s_tolerance) * SquareOfForces())
@@ -380,6 +364,7 @@ void qcElasticSystem::SolveClosed()
             m_residual[i] -= step * m_image[i];
         }
         Precondition(m_residual, &m_preconditioned);
+        RemoveMomentum(&m_preconditioned);
         const double next = Dot(m_residual, m_preconditioned);
         for (int i = 0; i < m_x.size(); i++)
             m_direction[i] = m_preconditioned[i] + btScalar(next / square) * m_direction[i];
@@ -406,29 +391,34 @@ bool qcElasticSystem::UpdateSprings()
     return changed;
 }
 
-bool qcElasticSystem::Solve(const btDeformableBackwardEulerObjective& objective,
-                            const std::vector<qcSceneSoftBody*>& bodies, btScalar timeStep,
+bool qcElasticSystem::Solve(qcNodeElasticity* elasticity, const std::vector<qcNodeElasticity::LoadedBody>& bodies,
                             std::vector<qcElasticSpring>* springs)
 {
-    m_timeStep = timeStep;
+    m_elasticity = elasticity;
     m_springs = springs;
-    if (!FindNodes(objective, bodies))
-        return false;
+    FindNodes(bodies);
     const int size = At(int(m_rigids.size()));
     const bool isGuess = m_x.size() == size;
     for (Vector* vector : {&m_x, &m_forcesOfSprings, &m_right, &m_residual, &m_preconditioned, &m_direction, &m_image})
         vector->resize(size, btVector3(0, 0, 0));
-    FindInertia(bodies);
-    SetStiffness();
     for (int i = 0; i < size; i++)
         if (!isGuess || (i < int(m_nodes.size()) && m_nodes[size_t(i)] == nullptr))
             m_x[i].setZero();
     // What rests is displaced in each step alike.
+    FindGroups();
+    if (isGuess)
+        m_elasticity->Update(m_x);
+    FindInertia();
+    SetStiffness();
     if (isGuess)
         UpdateSprings();
     SolveClosed();
     for (int round = 1; round < s_maxRounds && UpdateSprings(); round++)
+    {
+        m_elasticity->Update(m_x);
+        FindInertia();
         SolveClosed();
+    }
     for (int i = 0; i < size; i++)
         if (!std::isfinite(m_x[i].length2()))
         {
@@ -438,23 +428,24 @@ bool qcElasticSystem::Solve(const btDeformableBackwardEulerObjective& objective,
     return true;
 }
 
-void qcElasticSystem::Apply() const
+qcRigidDisplacement qcElasticSystem::DisplacementOf(int rigid) const
+{
+    const btRigidBody& body = *m_rigids[size_t(rigid)].body;
+    return {m_x[At(rigid) + 1] * FreedomOf(body.getAngularFactor()),
+            m_x[At(rigid)] * FreedomOf(body.getLinearFactor())};
+}
+
+void qcElasticSystem::Apply(btScalar timeStep) const
 {
     for (size_t i = 0; i < m_nodes.size(); i++)
-    {
-        if (m_nodes[i] == nullptr)
-            continue;
-        btSoftBody::Node& node = *m_nodes[i];
-        node.m_q = node.m_x += m_x[int(i)];
-        node.m_vn = node.m_v += m_x[int(i)] / m_timeStep;
-    }
+        if (m_nodes[i] != nullptr)
+            m_elasticity->Move(size_t(m_bodyOfNode[i]), m_nodes[i], m_x[int(i)]);
     for (int i = 0; i < int(m_rigids.size()); i++)
     {
         btRigidBody& body = *m_rigids[size_t(i)].body;
-        const qcRigidDisplacement by = {m_x[At(i) + 1] * FreedomOf(body.getAngularFactor()),
-                                        m_x[At(i)] * FreedomOf(body.getLinearFactor())};
-        body.setLinearVelocity(body.getLinearVelocity() + by.linear / m_timeStep);
-        body.setAngularVelocity(body.getAngularVelocity() + by.angular / m_timeStep);
+        const qcRigidDisplacement by = DisplacementOf(i);
+        body.setLinearVelocity(body.getLinearVelocity() + by.linear / timeStep);
+        body.setAngularVelocity(body.getAngularVelocity() + by.angular / timeStep);
         body.setCenterOfMassTransform(qcDisplaced(body.getWorldTransform(), by));
     }
 }

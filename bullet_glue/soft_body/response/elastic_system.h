@@ -1,21 +1,20 @@
 // The displacements of elastic soft bodies and of rigid ones under the springs between them, as one linear system.
 //
-// Over a step, nodes resist by their masses and by the stiffness and damping of Bullet's forces, as in Bullet's
-// implicit solver; rigid bodies by mass and inertia. Whatever the springs do, momentum stays as it is.
+// Over a step, nodes resist by their masses and by elasticity; rigid bodies by mass and inertia. Whatever the springs
+// do, momentum stays as it is.
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_ELASTIC_SYSTEM_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_ELASTIC_SYSTEM_H
 
-#include "common/object_key.h"
-#include "soft_body/scene/scene_soft_body.h"
+#include "common/rigid_displacement.h"
+#include "soft_body/response/node_elasticity.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
-#include <BulletSoftBody/btDeformableBackwardEulerObjective.h>
 
 /// A spring between a weighted sum of nodes and a point of a rigid body, or of something fixed, or only among nodes.
 struct qcElasticSpring
 {
     int nodeCount = 0;
-    int nodes[6] = {0, 0, 0, 0, 0, 0};        ///< btSoftBody::Node::index
+    int nodes[6] = {0, 0, 0, 0, 0, 0};        ///< numbers of qcNodeElasticity
     btScalar weights[6] = {0, 0, 0, 0, 0, 0}; ///< negative on the other side
     int rigid = -1;                           ///< from qcElasticSystem::AddRigid; -1: none
     btVector3 normal{0, 0, 0};
@@ -30,18 +29,20 @@ struct qcElasticSpring
 class qcElasticSystem
 {
   public:
-    using Vector = btAlignedObjectArray<btVector3>;
+    using Vector = qcNodeElasticity::Vector;
 
     /// Empties the system; the solution of the last step stays, as the first guess of the next.
     void Begin();
     /// The index of a dynamic body, for springs. Its factors guide it.
     int AddRigid(btRigidBody* body);
     /// Finds the displacements, and which springs are closed: those that push. `bodies`: all that have nodes in
-    /// springs. False: there is no finite solution, or Bullet's numbers of nodes are those of other bodies.
-    bool Solve(const btDeformableBackwardEulerObjective& objective, const std::vector<qcSceneSoftBody*>& bodies,
-               btScalar timeStep, std::vector<qcElasticSpring>* springs);
+    /// springs, which `elasticity` has read for this step. False: there is no finite solution.
+    bool Solve(qcNodeElasticity* elasticity, const std::vector<qcNodeElasticity::LoadedBody>& bodies,
+               std::vector<qcElasticSpring>* springs);
+    /// The solution for a rigid body.
+    qcRigidDisplacement DisplacementOf(int rigid) const;
     /// Adds the displacements to the bodies' positions, and the velocities that lead there.
-    void Apply() const;
+    void Apply(btScalar timeStep) const;
 
   private:
     struct Rigid
@@ -50,13 +51,21 @@ class qcElasticSystem
         btMatrix3x3 mass, inertia;
     };
 
+    struct Momentum
+    {
+        btVector3 sum;
+        btScalar mass;
+    };
+
     /// The element of a rigid body's translation; that of its rotation follows.
     int At(int rigid) const
     {
         return int(m_nodes.size()) + 2 * rigid;
     }
-    bool FindNodes(const btDeformableBackwardEulerObjective& objective, const std::vector<qcSceneSoftBody*>& bodies);
-    void FindInertia(const std::vector<qcSceneSoftBody*>& bodies);
+    void FindNodes(const std::vector<qcNodeElasticity::LoadedBody>& bodies);
+    void FindInertia();
+    void FindGroups();
+    void RemoveMomentum(Vector* x) const;
     void MultiplyNodes(const Vector& x, Vector* result) const;
     void SetStiffness();
     btVector3 Relative(const qcElasticSpring& spring, const Vector& x) const;
@@ -68,19 +77,15 @@ class qcElasticSystem
     void SolveClosed();
     bool UpdateSprings();
 
-    btScalar m_timeStep = 0;
+    qcNodeElasticity* m_elasticity = nullptr;
     std::vector<qcElasticSpring>* m_springs = nullptr;
-    std::vector<btDeformableLagrangianForce*> m_forces;
-    std::vector<btSoftBody::Node*> m_nodes; ///< by index; null: it doesn't move
-    std::vector<int> m_bodyOfNode;          ///< by index
+    std::vector<btSoftBody::Node*> m_nodes; ///< by number; null: it doesn't move
+    std::vector<int> m_bodyOfNode;          ///< by number
     std::vector<Rigid> m_rigids;
-    /// What resists the displacement of each node alone, its mass included: a third of the trace of its diagonal block,
-    /// which rotations don't change. It is found for these bodies and forces, and again after a while.
-    std::vector<btScalar> m_inertia;
-    std::vector<qcObjectKey> m_bodiesOfInertia;
-    std::vector<btDeformableLagrangianForce*> m_forcesOfInertia;
-    btScalar m_stepOfInertia = 0;
-    int m_ageOfInertia = 0;
+    std::vector<int> m_groups; ///< by soft body, then by rigid body; -1: something fixed takes its momentum
+    mutable std::vector<Momentum> m_momenta; ///< scratch of RemoveMomentum, by group
+    /// What resists the displacement of each node alone, its mass included.
+    std::vector<btMatrix3x3> m_inertia;
     std::vector<btMatrix3x3> m_inverses;     ///< of the diagonal blocks
     std::vector<btMatrix3x3> m_bodyInverses; ///< by soft body, of what resists its translation
     mutable std::vector<btVector3> m_sums;   ///< scratch of Precondition, by soft body

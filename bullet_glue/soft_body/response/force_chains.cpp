@@ -164,17 +164,19 @@ void qcForceChains::AddChain(const std::vector<qcSoftConstraint>& constraints, s
         m_chains.back().nodeYield += force.inverseMass * force.force.length2();
 }
 
-void qcForceChains::Find(const std::vector<qcSoftConstraint>& constraints)
+void qcForceChains::Find(std::vector<qcSoftConstraint>* constraints)
 {
     Clear();
-    for (size_t c = 0; c < constraints.size(); c++)
+    for (size_t c = 0; c < constraints->size(); c++)
     {
-        if (!IsHeavy(constraints[c]))
+        if (!IsHeavy((*constraints)[c]))
             continue;
         if (m_supports.empty())
-            FindSupports(constraints);
-        AddChain(constraints, c);
+            FindSupports(*constraints);
+        AddChain(*constraints, c);
     }
+    for (const Member& member : m_members)
+        (*constraints)[member.constraint].isInChain = true;
 }
 
 //  ---- solving -----------------------------------------------------------------------------------------------------

@@ -14,8 +14,9 @@
 class qcForceChains
 {
   public:
-    /// Finds the chains among constraints, to which the other functions refer by their places. O(n log n).
-    void Find(const std::vector<qcSoftConstraint>& constraints);
+    /// Finds the chains among constraints, to which the other functions refer by their places, and marks their members.
+    /// O(n log n).
+    void Find(std::vector<qcSoftConstraint>* constraints);
     void Clear();
     /// Forgets the forces so far. Call it before sweeps.
     void Begin();

@@ -1,8 +1,6 @@
 // Contacts of the previous step in Bullet's own solver.
 #include "soft_body/response/held_contacts.h"
 
-#include "soft_body/response/present_objects.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -114,11 +112,10 @@ btScalar qcHeldContacts::DistanceOf(const Inserted& inserted)
     return btClamped(inserted.normal.dot(PresentOf(soft, contact) - inserted.end), held, gap);
 }
 
-void qcHeldContacts::Insert(qcSoftBodyScene& scene)
+void qcHeldContacts::Insert(qcSoftBodyScene& scene, qcPresentObjects* present)
 {
     m_inserted.clear();
     m_counts.clear();
-    qcPresentObjects present(scene);
     for (qcSceneSoftBody& soft : scene.Bodies())
     {
         m_counts.push_back(soft.body->m_scontacts.size());
@@ -126,7 +123,7 @@ void qcHeldContacts::Insert(qcSoftBodyScene& scene)
             continue;
         for (const qcHeldContact& held : soft.heldContacts)
         {
-            if (IsApplied(soft, held) || !present.Contains(soft, held.rigid.object))
+            if (IsApplied(soft, held) || !present->Contains(soft, held.rigid.object))
                 continue;
             Inserted inserted = {&soft, &held, held.rigid.Normal(), held.rigid.point, held.rigid.Point()};
             btScalar gap = inserted.normal.dot(StartOf(soft, held) - held.rigid.point);

@@ -6,6 +6,7 @@
 #define QC_GLUE_SOFT_BODY_RESPONSE_HELD_CONTACTS_H
 
 #include "soft_body/response/position_constraints.h"
+#include "soft_body/response/present_objects.h"
 
 /// The share of the thickness at which contacts are held: at the whole thickness, rounding would decide in each step
 /// whether they are found again.
@@ -28,7 +29,7 @@ class qcHeldContacts
     static void Keep(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
                      const std::vector<qcSoftConstraint>& constraints);
     /// Adds the contacts that still hold to Bullet's soft bodies, as contacts of faces with nodes of this object.
-    void Insert(qcSoftBodyScene& scene);
+    void Insert(qcSoftBodyScene& scene, qcPresentObjects* present);
     /// Removes them after Bullet has solved, and applies their friction.
     void Remove(qcSoftBodyScene& scene);
 

@@ -63,6 +63,7 @@ struct qcSoftConstraint
     btVector3 taken{0, 0, 0}; ///< sliding that friction has taken back so far
     /// Friction by the load of force chains through this contact: an impulse times the time step.
     btScalar chainFriction = 0;
+    bool isInChain = false; ///< of force chains
 };
 
 class qcForceChains;

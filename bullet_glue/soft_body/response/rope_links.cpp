@@ -12,8 +12,8 @@ namespace
 {
 void AddLink(qcSceneSoftBody& soft, const btSoftBody::Link& link, std::vector<qcSoftLink>* links)
 {
-    // Bullet prepares m_c0 and m_c1 at the beginning of the step. A callback may have made nodes lighter since: with the
-    // divisor of heavier ones each sweep would push them further apart.
+    // Bullet prepares m_c0 and m_c1 at the beginning of the step. A callback may have made nodes lighter since: with
+    // the divisor of heavier ones each sweep would push them further apart.
     if (link.m_c0 <= 0)
         return;
     const btScalar divisor = (link.m_n[0]->m_im + link.m_n[1]->m_im) / link.m_material->m_kLST;

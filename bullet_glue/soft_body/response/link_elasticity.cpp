@@ -1,0 +1,123 @@
+// The stiffness of a link is what Bullet's sweeps over it amount to.
+#include "soft_body/response/link_elasticity.h"
+
+#include <algorithm>
+
+namespace
+{
+// Links are at most that stiff, in units of the masses that they may have to carry. A link that bears a body alone
+// stretches by this part of the body's fall in a step.
+constexpr btScalar s_maxStiffness = 20;
+// Nodes that links pull back by less than this in a step, as a share of the default thickness (a twentieth of an edge
+// of cloth), leave the rest to contacts.
+constexpr btScalar s_strain = btScalar(0.1);
+// The cosine between the weight of a body that lies on a sheet and the normal of a contact, at least.
+constexpr btScalar s_downwards = btScalar(0.3);
+
+/// The stiffness of a link times the square of the step: that of the spring which gives its two nodes the displacement
+/// of all sweeps, if only they moved.
+btScalar StiffnessOf(const btSoftBody& body, const btSoftBody::Link& link, btScalar largest)
+{
+    const btScalar inverse = link.m_n[0]->m_im + link.m_n[1]->m_im;
+    if (!(link.m_c0 > 0) || !(inverse > 0))
+        return 0;
+    const btScalar left =
+        btPow(btClamped(1 - link.m_material->m_kLST, btScalar(0), btScalar(1)), btScalar(body.m_cfg.piterations));
+    return left * largest * inverse < 1 - left ? largest : (1 / left - 1) / inverse;
+}
+} // namespace
+
+/// Sheets that are held. What is free gives way, and ropes solve links and contacts in turns.
+bool qcLinkElasticity::Covers(const qcSceneSoftBody& soft) const
+{
+    if (!soft.moves || !soft.body->isActive() || soft.body->m_links.size() == 0 || soft.topology.ropeCount > 0)
+        return false;
+    for (uint32_t i = 0; i < uint32_t(soft.NodeCount()); i++)
+        if (!(soft.InverseMass(i) > 0))
+            return true;
+    return false;
+}
+
+/// Not a body that the sheet lies on: it carries the sheet.
+bool qcLinkElasticity::MayLie(const btRigidBody& rigid, const btVector3& normal) const
+{
+    return normal.dot(rigid.getGravity()) >= s_downwards * rigid.getGravity().length();
+}
+
+bool qcLinkElasticity::IsStrain(const qcSceneSoftBody& soft, btScalar pushed) const
+{
+    return pushed > s_strain * soft.topology.defaultThickness;
+}
+
+bool qcLinkElasticity::Begin(const std::vector<LoadedBody>& bodies, btScalar timeStep)
+{
+    m_firstNodes.assign(1, 0);
+    m_perDistance.clear();
+    m_springs.clear();
+    for (const LoadedBody& loaded : bodies)
+    {
+        const btSoftBody& body = *loaded.soft->body;
+        const int first = m_firstNodes.back();
+        btScalar mass = loaded.load;
+        for (int i = 0; i < body.m_nodes.size(); i++)
+            if (body.m_nodes[i].m_im > 0)
+                mass += 1 / body.m_nodes[i].m_im;
+        for (int i = 0; i < body.m_links.size(); i++)
+        {
+            const btSoftBody::Link& link = body.m_links[i];
+            const btVector3 along = link.m_n[1]->m_x - link.m_n[0]->m_x;
+            const btScalar length2 = along.length2();
+            const btScalar stiffness = StiffnessOf(body, link, s_maxStiffness * mass);
+            if (stiffness > 0 && length2 > 0)
+                m_springs.push_back(
+                    {{first + int(loaded.soft->IndexOf(link.m_n[0])), first + int(loaded.soft->IndexOf(link.m_n[1]))},
+                     along / btSqrt(length2),
+                     btSqrt(length2),
+                     stiffness,
+                     0});
+        }
+        // As btSoftBody::solveConstraints does.
+        m_perDistance.push_back((1 - body.m_cfg.kDP) / timeStep);
+        m_firstNodes.push_back(first + body.m_nodes.size());
+    }
+    return true;
+}
+
+void qcLinkElasticity::Update(const Vector& x)
+{
+    for (Spring& spring : m_springs)
+        spring.tension =
+            std::max(spring.stiffness / spring.length * spring.direction.dot(x[spring.nodes[1]] - x[spring.nodes[0]]),
+                     btScalar(0));
+}
+
+void qcLinkElasticity::AddForces(const Vector& x, Vector* to) const
+{
+    for (const Spring& spring : m_springs)
+    {
+        const btVector3 motion = x[spring.nodes[1]] - x[spring.nodes[0]];
+        const btVector3 force = spring.tension * motion +
+                                spring.direction * ((spring.stiffness - spring.tension) * spring.direction.dot(motion));
+        (*to)[spring.nodes[0]] -= force;
+        (*to)[spring.nodes[1]] += force;
+    }
+}
+
+void qcLinkElasticity::AddDiagonal(const std::vector<bool>&, std::vector<btMatrix3x3>* to)
+{
+    for (const Spring& spring : m_springs)
+    {
+        const btVector3 &d = spring.direction, e = d * (spring.stiffness - spring.tension);
+        btMatrix3x3 block(d.x() * e, d.y() * e, d.z() * e);
+        for (int axis = 0; axis < 3; axis++)
+            block[axis][axis] += spring.tension;
+        for (int node : spring.nodes)
+            (*to)[size_t(node)] += block;
+    }
+}
+
+void qcLinkElasticity::Move(size_t body, btSoftBody::Node* node, const btVector3& by) const
+{
+    node->m_x += by;
+    node->m_v += by * m_perDistance[body];
+}

@@ -1,0 +1,65 @@
+// What resists displacements of the nodes of soft bodies over a step, beside their masses.
+#ifndef QC_GLUE_SOFT_BODY_RESPONSE_NODE_ELASTICITY_H
+#define QC_GLUE_SOFT_BODY_RESPONSE_NODE_ELASTICITY_H
+
+#include "soft_body/scene/scene_soft_body.h"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+#include <LinearMath/btAlignedObjectArray.h>
+#include <LinearMath/btMatrix3x3.h>
+
+#include <vector>
+
+class qcNodeElasticity
+{
+  public:
+    using Vector = btAlignedObjectArray<btVector3>;
+
+    /// A soft body, and the mass of what presses on it.
+    struct LoadedBody
+    {
+        qcSceneSoftBody* soft;
+        btScalar load;
+    };
+
+    virtual ~qcNodeElasticity() = default;
+    /// False: Bullet moves nodes by positions. A body that followed them would gain energy.
+    virtual bool KeepsEnergy() const = 0;
+    /// The most iterations that a solution of the system is worth.
+    virtual int MaxIterations() const = 0;
+    /// Stiffness of a contact's spring, in units of that of its nodes with all others fixed. Softer ones leave more of
+    /// a load to the contacts that follow, which know no elasticity; stiffer ones take more iterations.
+    virtual btScalar SpringStiffness() const = 0;
+    /// True if contacts of the body count.
+    virtual bool Covers(const qcSceneSoftBody& soft) const = 0;
+    /// True if only rigid bodies that can move strain the bodies. Otherwise soft bodies on them do, too, and fixed
+    /// objects that press from opposite sides.
+    virtual bool IsStrainedByRigidsOnly() const = 0;
+    /// True if a rigid body that touches a soft one, which is on the side of the normal, may need to be borne.
+    virtual bool MayLie(const btRigidBody& rigid, const btVector3& normal) const = 0;
+    /// True if a body needs its elasticity to bear a rigid body that contacts have pushed it out of by this much in a
+    /// step.
+    virtual bool IsStrain(const qcSceneSoftBody& soft, btScalar pushed) const = 0;
+    /// Reads the bodies of this step, and numbers their nodes. False: there are no numbers for them.
+    virtual bool Begin(const std::vector<LoadedBody>& bodies, btScalar timeStep) = 0;
+    /// The number of the first node of one of the bodies; the others follow in their order.
+    virtual int FirstNodeOf(size_t body) const = 0;
+    /// One more than the largest number.
+    virtual int NodeCount() const = 0;
+    /// Reads what a solution does to the forces: displacements by node.
+    virtual void Update(const Vector& x) = 0;
+    /// Adds the forces against displacements by node, times the square of the time step.
+    virtual void AddForces(const Vector& x, Vector* to) const = 0;
+    /// Adds what resists the displacement of each node while the others stay, in these units. `isNode`: by number.
+    virtual void AddDiagonal(const std::vector<bool>& isNode, std::vector<btMatrix3x3>* to) = 0;
+    /// Displaces a node of one of the bodies, and gives it the velocity that leads there.
+    virtual void Move(size_t body, btSoftBody::Node* node, const btVector3& by) const = 0;
+};
+
+inline void qcSetZero(qcNodeElasticity::Vector* x)
+{
+    for (int i = 0; i < x->size(); i++)
+        (*x)[i].setZero();
+}
+
+#endif

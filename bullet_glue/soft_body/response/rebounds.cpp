@@ -1,0 +1,94 @@
+// Energies are those in the frame that moves with the soft body, so that a cloth that is lifted lifts what lies on it.
+#include "soft_body/response/rebounds.h"
+
+#include "soft_body/response/position_constraints.h"
+
+#include <algorithm>
+
+namespace
+{
+// The share of the energy taken that is given back.
+constexpr btScalar s_restitution = btScalar(0.5);
+
+btScalar KineticEnergy(const btRigidBody& body, const btVector3& velocity, const btVector3& angularVelocity)
+{
+    const btVector3 spin = body.getWorldTransform().getBasis().transpose() * angularVelocity;
+    const btVector3& inverse = body.getInvInertiaDiagLocal();
+    btScalar energy = velocity.length2() / body.getInvMass();
+    for (int axis = 0; axis < 3; axis++)
+        if (inverse[axis] > 0)
+            energy += spin[axis] * spin[axis] / inverse[axis];
+    return energy / 2;
+}
+
+/// The mean velocity of the nodes by Bullet's solvers.
+btVector3 MeanVelocity(const qcSceneSoftBody& soft, btScalar timeStep)
+{
+    btVector3 sum(0, 0, 0);
+    for (int i = 0; i < soft.NodeCount(); i++)
+        sum += soft.body->m_nodes[i].m_x - soft.start[size_t(i)];
+    return sum / (btScalar(soft.NodeCount()) * timeStep);
+}
+} // namespace
+
+void qcRebounds::Begin(btScalar timeStep)
+{
+    m_timeStep = timeStep;
+    m_previous.swap(m_rebounds);
+    m_rebounds.clear();
+}
+
+const qcRebounds::Rebound& qcRebounds::Find(const qcSceneSoftBody& soft, const qcObjectKey& rigid, int index)
+{
+    auto isOf = [&rigid](const Rebound& rebound) { return rebound.rigid == rigid; };
+    auto found = std::find_if(m_rebounds.begin(), m_rebounds.end(), isOf);
+    if (found != m_rebounds.end())
+        return *found;
+    const btRigidBody& body = *btRigidBody::upcast(rigid.object);
+    auto previous = std::find_if(m_previous.begin(), m_previous.end(), isOf);
+    Rebound rebound = {rigid, index, MeanVelocity(soft, m_timeStep), {}, 0, 0};
+    rebound.start = body.getLinearVelocity() - body.getGravity() * m_timeStep - rebound.frame;
+    rebound.startEnergy = KineticEnergy(body, rebound.start, body.getAngularVelocity());
+    rebound.energy = previous != m_previous.end() ? previous->energy : btScalar(0);
+    m_rebounds.push_back(rebound);
+    return m_rebounds.back();
+}
+
+void qcRebounds::Limit(const qcSceneSoftBody& soft, const qcObjectKey& rigid, const btVector3& motion,
+                       const btVector3& sprung, qcElasticSpring* spring)
+{
+    const Rebound& rebound = Find(soft, rigid, spring->rigid);
+    const btScalar share = qcGapRecoveryOf(m_timeStep);
+    const btVector3& normal = spring->normal;
+    const btScalar missing = normal.dot(spring->missing);
+    // Along the surface the inertia of both sides is stopped.
+    spring->missing += (1 - share) * (sprung - normal * normal.dot(sprung));
+    if (missing <= 0)
+        return;
+    const btScalar speed = btSqrt(2 * rebound.energy * btRigidBody::upcast(rigid.object)->getInvMass());
+    const btScalar approach = normal.dot(motion - rebound.frame * m_timeStep), ofNodes = missing - approach;
+    const btScalar most = std::max(share * ofNodes, speed * m_timeStep);
+    const btScalar limited = btClamped(approach + std::min(ofNodes, most), btScalar(0), missing);
+    spring->missing += normal * (limited - missing);
+    spring->isClosed = limited > 0;
+}
+
+/// The kinetic energy that the body gets by the solution, but for what gravity gives it.
+btScalar qcRebounds::GainOf(const qcElasticSystem& system, const Rebound& rebound) const
+{
+    const btRigidBody& body = *btRigidBody::upcast(rebound.rigid.object);
+    const qcRigidDisplacement by = system.DisplacementOf(rebound.index);
+    const btVector3 velocity = body.getLinearVelocity() + by.linear / m_timeStep - rebound.frame;
+    const btScalar ofGravity = body.getGravity().dot(velocity + rebound.start) * m_timeStep / (2 * body.getInvMass());
+    return KineticEnergy(body, velocity, body.getAngularVelocity() + by.angular / m_timeStep) - rebound.startEnergy -
+           ofGravity;
+}
+
+void qcRebounds::End(const qcElasticSystem& system)
+{
+    for (Rebound& rebound : m_rebounds)
+    {
+        const btScalar gain = GainOf(system, rebound);
+        rebound.energy = std::max(btScalar(0), rebound.energy - (gain > 0 ? gain : s_restitution * gain));
+    }
+}

@@ -1,0 +1,196 @@
+// Sheets that carry bodies of up to ten times their mass: they hardly stretch, the bodies come to rest on them, and no
+// step gives a body more energy than it brought. Cloth that lies on a body is not pulled straight.
+#include "bullet/mesh/mesh_models.h"
+
+#include <BulletSoftBody/btSoftBodyHelpers.h>
+
+#include <algorithm>
+
+// After the standard headers: check defines a macro named fail.
+#include "bullet/soft_body/soft_models.h"
+
+namespace
+{
+constexpr int s_side = 17;
+constexpr btScalar s_radius = btScalar(0.3), s_gravity = btScalar(9.8);
+
+/// A ball over a sheet of 2 kg and 3 by 3 m at height 0, whose border is fixed.
+struct Sheet
+{
+    qcSoftWorld made;
+    btSphereShape sphere{s_radius};
+    btSoftBody* cloth;
+    btRigidBody* ball;
+
+    Sheet(double mass, double height)
+    {
+        made.SetGravity(btVector3(0, -s_gravity, 0));
+        cloth = made.AddPatch(btVector3(btScalar(-1.5), 0, btScalar(-1.5)), btVector3(btScalar(1.5), 0, btScalar(-1.5)),
+                              btVector3(btScalar(-1.5), 0, btScalar(1.5)), btVector3(btScalar(1.5), 0, btScalar(1.5)),
+                              s_side, s_side, 0);
+        cloth->setTotalMass(2);
+        cloth->m_cfg.piterations = 10;
+        for (int i = 0; i < s_side * s_side; i++)
+            if (IsBorder(i))
+                cloth->setMass(i, 0);
+        ball = made.AddBody(&sphere, btScalar(mass),
+                            btVector3(btScalar(0.02), s_radius + btScalar(height), btScalar(0.01)));
+        ball->setActivationState(DISABLE_DEACTIVATION);
+    }
+
+    static bool IsBorder(int node)
+    {
+        const int row = node / s_side, column = node % s_side;
+        return row == 0 || column == 0 || row == s_side - 1 || column == s_side - 1;
+    }
+
+    void Step(int stepsPerSecond)
+    {
+        made.world.stepSimulation(btScalar(1.0 / stepsPerSecond), 0);
+        ck_assert_int_eq(made.softSolver.getStatistics().status, qc_statusOk);
+    }
+
+    double Height() const
+    {
+        return double(ball->getWorldTransform().getOrigin().y());
+    }
+
+    /// The largest length of a link, as a multiple of that at rest.
+    double Stretch() const
+    {
+        double largest = 0;
+        for (int i = 0; i < cloth->m_links.size(); i++)
+        {
+            const btSoftBody::Link& link = cloth->m_links[i];
+            largest = std::max(largest, double((link.m_n[0]->m_x - link.m_n[1]->m_x).length() / link.m_rl));
+        }
+        return largest;
+    }
+
+    double NodeSpeed() const
+    {
+        double sum = 0;
+        for (int i = 0; i < cloth->m_nodes.size(); i++)
+            sum += double(cloth->m_nodes[i].m_v.length2());
+        return std::sqrt(sum / cloth->m_nodes.size());
+    }
+};
+} // namespace
+
+START_TEST(a_sheet_carries_ten_times_its_mass)
+{
+    const int stepsPerSecond = _i == 0 ? 60 : 240;
+    for (double mass : {0.5, 2.0, 20.0})
+    {
+        Sheet sheet(mass, 0.05);
+        double stretch = 0, speed = 0, lowest = 1, highest = -9;
+        for (int step = 0; step < 5 * stepsPerSecond; step++)
+        {
+            sheet.Step(stepsPerSecond);
+            if (step < 4 * stepsPerSecond)
+                continue;
+            stretch = std::max(stretch, sheet.Stretch());
+            speed = std::max(speed, sheet.NodeSpeed());
+            lowest = std::min(lowest, sheet.Height());
+            highest = std::max(highest, sheet.Height());
+        }
+        printf("%g kg, %d steps a second: stretch %.2f, ball at %.3f to %.3f m, nodes at up to %.2f m/s\n", mass,
+               stepsPerSecond, stretch, lowest, highest, speed);
+        ck_assert_double_lt(stretch, 1.25);
+        ck_assert_double_gt(lowest, -0.6);
+        ck_assert_double_lt(highest - lowest, 0.06);
+        ck_assert_double_lt(speed, 0.3);
+        sheet.made.RemoveAll();
+    }
+}
+END_TEST
+
+START_TEST(a_ball_rises_no_higher_than_it_fell_from)
+{
+    const int stepsPerSecond[] = {60, 240, 1000};
+    for (double mass : {2.0, 20.0})
+    {
+        Sheet sheet(mass, 0.3);
+        const double start = sheet.Height();
+        double lowest = start, highest = -9;
+        for (int step = 0; step < 3 * stepsPerSecond[_i] / 2; step++)
+        {
+            sheet.Step(stepsPerSecond[_i]);
+            lowest = std::min(lowest, sheet.Height());
+            if (sheet.Height() > lowest + 0.01)
+                highest = std::max(highest, sheet.Height());
+        }
+        printf("%g kg, %d steps a second: down from %.2f to %.2f m, then up to %.2f m\n", mass, stepsPerSecond[_i],
+               start, lowest, highest);
+        ck_assert_double_lt(highest, start - 0.1);
+        sheet.made.RemoveAll();
+    }
+}
+END_TEST
+
+START_TEST(a_sheet_that_is_lifted_lifts_what_it_carries)
+{
+    Sheet sheet(10, 0.05);
+    double before = 0;
+    for (int step = 0; step < 300; step++)
+    {
+        // At rest first.
+        for (int i = 0; step >= 180 && i < s_side * s_side; i++)
+            if (Sheet::IsBorder(i))
+                sheet.cloth->m_nodes[i].m_x.setY(sheet.cloth->m_nodes[i].m_x.y() + btScalar(1.0 / 60));
+        sheet.Step(60);
+        before = step < 180 ? sheet.Height() : before;
+    }
+    printf("lifted by 2 m: the ball by %.2f m, stretch %.2f\n", sheet.Height() - before, sheet.Stretch());
+    ck_assert_double_eq_tol(sheet.Height() - before, 2, 0.2);
+    ck_assert_double_lt(sheet.Stretch(), 1.3);
+    sheet.made.RemoveAll();
+}
+END_TEST
+
+START_TEST(cloth_that_lies_on_a_body_hangs_from_its_edges)
+{
+    // The body carries the cloth: free, and held at two corners.
+    for (int held : {0, 2})
+    {
+        qcSoftWorld made;
+        btBoxShape shape(btVector3(btScalar(0.4), btScalar(0.2), btScalar(0.4)));
+        btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
+        made.SetGravity(btVector3(0, -s_gravity, 0));
+        made.AddBody(&plane, 0, btVector3(0, 0, 0));
+        btRigidBody* box = made.AddBody(&shape, 2, btVector3(0, btScalar(0.2), 0));
+        const btScalar half = btScalar(0.6), height = btScalar(0.43);
+        btSoftBody* cloth = made.AddPatch(btVector3(-half, height, -half), btVector3(half, height, -half),
+                                          btVector3(-half, height, half), btVector3(half, height, half), 21, 21, 0.5);
+        cloth->m_cfg.piterations = 4;
+        for (int corner = 0; corner < held; corner++)
+            cloth->setMass(20 * corner, 0);
+        double highest = 0, speed = 0;
+        for (int step = 0; step < 240; step++)
+        {
+            made.world.stepSimulation(btScalar(1.0 / 60), 0);
+            for (int i = 0; i < cloth->m_nodes.size(); i++)
+            {
+                highest = std::max(highest, double(cloth->m_nodes[i].m_x.y()));
+                speed = step < 180 ? 0 : std::max(speed, double(cloth->m_nodes[i].m_v.length()));
+            }
+        }
+        printf("cloth on a box, %d corners held: up to %.3f m, nodes at up to %.3f m/s, box at %.4f\n", held, highest,
+               speed, double(box->getLinearVelocity().length()));
+        ck_assert_double_lt(highest, double(height) + 0.02);
+        ck_assert_double_lt(speed, 0.3);
+        ck_assert_double_lt(double(box->getLinearVelocity().length()), 0.02);
+        made.RemoveAll();
+    }
+}
+END_TEST
+
+QC_TEST_MAIN()
+{
+    TCase* tests = qcMakeCase("carrying cloth");
+    tcase_add_loop_test(tests, a_sheet_carries_ten_times_its_mass, 0, 2);
+    tcase_add_loop_test(tests, a_ball_rises_no_higher_than_it_fell_from, 0, 3);
+    tcase_add_test(tests, a_sheet_that_is_lifted_lifts_what_it_carries);
+    tcase_add_test(tests, cloth_that_lies_on_a_body_hangs_from_its_edges);
+    return qcRunCase("carrying cloth", tests);
+}
