@@ -14,6 +14,15 @@ namespace
 constexpr int s_side = 17;
 constexpr btScalar s_radius = btScalar(0.3), s_gravity = btScalar(9.8);
 
+/// The root of the mean square.
+double NodeSpeed(const btSoftBody* cloth)
+{
+    double sum = 0;
+    for (int i = 0; i < cloth->m_nodes.size(); i++)
+        sum += double(cloth->m_nodes[i].m_v.length2());
+    return std::sqrt(sum / cloth->m_nodes.size());
+}
+
 /// A ball over a sheet of 2 kg and 3 by 3 m at height 0, whose border is fixed.
 struct Sheet
 {
@@ -66,14 +75,6 @@ struct Sheet
         }
         return largest;
     }
-
-    double NodeSpeed() const
-    {
-        double sum = 0;
-        for (int i = 0; i < cloth->m_nodes.size(); i++)
-            sum += double(cloth->m_nodes[i].m_v.length2());
-        return std::sqrt(sum / cloth->m_nodes.size());
-    }
 };
 } // namespace
 
@@ -90,7 +91,7 @@ START_TEST(a_sheet_carries_ten_times_its_mass)
             if (step < 4 * stepsPerSecond)
                 continue;
             stretch = std::max(stretch, sheet.Stretch());
-            speed = std::max(speed, sheet.NodeSpeed());
+            speed = std::max(speed, NodeSpeed(sheet.cloth));
             lowest = std::min(lowest, sheet.Height());
             highest = std::max(highest, sheet.Height());
         }
@@ -163,6 +164,7 @@ START_TEST(cloth_that_lies_on_a_body_hangs_from_its_edges)
         btSoftBody* cloth = made.AddPatch(btVector3(-half, height, -half), btVector3(half, height, -half),
                                           btVector3(-half, height, half), btVector3(half, height, half), 21, 21, 0.5);
         cloth->m_cfg.piterations = 4;
+        cloth->m_cfg.kDP = btScalar(0.01);
         for (int corner = 0; corner < held; corner++)
             cloth->setMass(20 * corner, 0);
         double highest = 0, speed = 0;
@@ -170,15 +172,13 @@ START_TEST(cloth_that_lies_on_a_body_hangs_from_its_edges)
         {
             made.world.stepSimulation(btScalar(1.0 / 60), 0);
             for (int i = 0; i < cloth->m_nodes.size(); i++)
-            {
                 highest = std::max(highest, double(cloth->m_nodes[i].m_x.y()));
-                speed = step < 180 ? 0 : std::max(speed, double(cloth->m_nodes[i].m_v.length()));
-            }
+            speed = step < 180 ? 0 : std::max(speed, NodeSpeed(cloth));
         }
         printf("cloth on a box, %d corners held: up to %.3f m, nodes at up to %.3f m/s, box at %.4f\n", held, highest,
                speed, double(box->getLinearVelocity().length()));
         ck_assert_double_lt(highest, double(height) + 0.02);
-        ck_assert_double_lt(speed, 0.3);
+        ck_assert_double_lt(speed, 0.05);
         ck_assert_double_lt(double(box->getLinearVelocity().length()), 0.02);
         made.RemoveAll();
     }
