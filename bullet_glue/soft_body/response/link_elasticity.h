@@ -1,4 +1,4 @@
-// Links of the classic world as springs, for what presses on soft bodies there.
+// Links of pinned sheets as springs, for what presses on them in the classic world.
 //
 // Bullet moves the nodes of a link by their own masses, and contacts move nodes by theirs: a node transmits at most the
 // force of its mass times its displacement over the square of the step. So a ball of kilograms drew nodes of grams out
