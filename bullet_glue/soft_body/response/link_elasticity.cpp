@@ -16,7 +16,7 @@ constexpr btScalar s_downwards = btScalar(0.3);
 
 /// The stiffness of a link times the square of the step: that of the spring which gives its two nodes the displacement
 /// of all sweeps, if only they moved.
-btScalar StiffnessOf(const btSoftBody& body, const btSoftBody::Link& link, btScalar largest)
+btScalar LinkStiffness(const btSoftBody& body, const btSoftBody::Link& link, btScalar largest)
 {
     const btScalar inverse = link.m_n[0]->m_im + link.m_n[1]->m_im;
     if (!(link.m_c0 > 0) || !(inverse > 0))
@@ -67,7 +67,7 @@ bool qcLinkElasticity::Begin(const std::vector<LoadedBody>& bodies, btScalar tim
             const btSoftBody::Link& link = body.m_links[i];
             const btVector3 along = link.m_n[1]->m_x - link.m_n[0]->m_x;
             const btScalar length2 = along.length2();
-            const btScalar stiffness = StiffnessOf(body, link, s_maxStiffness * mass);
+            const btScalar stiffness = LinkStiffness(body, link, s_maxStiffness * mass);
             if (stiffness > 0 && length2 > 0)
                 m_springs.push_back(
                     {{first + int(loaded.soft->IndexOf(link.m_n[0])), first + int(loaded.soft->IndexOf(link.m_n[1]))},
@@ -76,7 +76,7 @@ bool qcLinkElasticity::Begin(const std::vector<LoadedBody>& bodies, btScalar tim
                      stiffness,
                      0});
         }
-        // As btSoftBody::solveConstraints does.
+        // btSoftBody::solveConstraints damps by the same factor.
         m_perDistance.push_back((1 - body.m_cfg.kDP) / timeStep);
         m_firstNodes.push_back(first + body.m_nodes.size());
     }
