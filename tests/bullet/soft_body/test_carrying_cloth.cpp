@@ -1,13 +1,16 @@
 // Sheets that carry bodies of up to ten times their mass: they hardly stretch, the bodies come to rest on them, and no
 // step gives a body more energy than it brought. Cloth that lies on a body is not pulled straight.
-#include "bullet/mesh/mesh_models.h"
+#include "bullet/soft_body/soft_world.h"
 
 #include <BulletSoftBody/btSoftBodyHelpers.h>
+#include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 
 // After the standard headers: check defines a macro named fail.
-#include "bullet/soft_body/soft_models.h"
+#include "support/suite.h"
 
 namespace
 {
