@@ -37,7 +37,7 @@ class qcElasticContacts
         qcHeldPoint rigid;                        ///< without an object: side B is a soft body
         btVector3 normal{0, 0, 0};                ///< between soft bodies: towards side A
         btScalar thickness = 0, friction = 0;
-        bool isStrain = false;
+        bool isStrain = false;        ///< the soft body needs its elasticity to bear the rigid one
         btVector3 predicted{0, 0, 0}; ///< weighted sum of its nodes before Bullet's solver
     };
     /// A spring's sides.
