@@ -148,10 +148,6 @@ void qcElasticContacts::AddSpring(qcSoftBodyScene& scene, const Kept& kept, qcPr
                       !qcHasResponse(scene, softs[0]->id.slot, softs[1]->id.slot))))
         return;
     qcElasticSpring spring;
-    Sides sides;
-    std::copy(softs, softs + 2, sides.soft);
-    sides.rigid = kept.rigid.object;
-    sides.isStrain = kept.isStrain;
     btVector3 start(0, 0, 0), end(0, 0, 0);
     spring.nodeCount = kept.nodeCount;
     spring.friction = kept.friction;
@@ -163,7 +159,6 @@ void qcElasticContacts::AddSpring(qcSoftBodyScene& scene, const Kept& kept, qcPr
         if (int(kept.nodes[i]) >= soft.NodeCount() || (!soft.applied.empty() && !soft.applied[kept.nodes[i]].isZero()))
             return;
         spring.nodes[i] = int(kept.nodes[i]);
-        sides.ofNodes[i] = kept.sides[i];
         spring.weights[i] = kept.weights[i];
         start += kept.weights[i] * soft.start[kept.nodes[i]];
         end += kept.weights[i] * soft.body->m_nodes[int(kept.nodes[i])].m_x;
@@ -184,11 +179,9 @@ void qcElasticContacts::AddSpring(qcSoftBodyScene& scene, const Kept& kept, qcPr
     spring.isClosed = along > 0;
     if (!m_elasticity->KeepsEnergy())
         spring.held = std::min(kept.friction, btScalar(1));
-    if (isRigid)
-        sides.rigidMotion = kept.rigid.Point() - kept.rigid.point;
-    sides.sprung = ofNodes - kept.predicted;
+    const btVector3 rigidMotion = isRigid ? kept.rigid.Point() - kept.rigid.point : btVector3(0, 0, 0);
     m_springs.push_back(spring);
-    m_sides.push_back(sides);
+    m_sides.push_back({&kept, {softs[0], softs[1]}, rigidMotion, ofNodes - kept.predicted});
 }
 
 /// True if what is fixed presses a body from opposite sides.
@@ -232,7 +225,7 @@ bool qcElasticContacts::IsStrained(size_t spring) const
 {
     if (!m_springs[spring].isClosed)
         return false;
-    return m_springs[spring].rigid >= 0 ? m_sides[spring].isStrain
+    return m_springs[spring].rigid >= 0 ? m_sides[spring].kept->isStrain
                                         : m_sides[spring].soft[1] != nullptr && !m_elasticity->IsStrainedByRigidsOnly();
 }
 
@@ -252,11 +245,11 @@ void qcElasticContacts::FindLoads()
             AddLoaded(sides.soft[1], 0);
         if (m_springs[i].rigid < 0)
             continue;
-        const std::pair<qcObjectKey, qcObjectKey> load = {{sides.soft[0]->body, sides.soft[0]->uniqueId}, sides.rigid};
+        const auto load = std::make_pair(sides.kept->soft[0], sides.kept->rigid.object);
         if (std::find(loads.begin(), loads.end(), load) != loads.end())
             continue;
         loads.push_back(load);
-        AddLoaded(sides.soft[0], 1 / btRigidBody::upcast(sides.rigid.object)->getInvMass());
+        AddLoaded(sides.soft[0], 1 / btRigidBody::upcast(load.second.object)->getInvMass());
     }
     m_loads.swap(loads);
     if (m_elasticity->IsStrainedByRigidsOnly())
@@ -306,7 +299,7 @@ void qcElasticContacts::NumberNodes()
     for (size_t i = 0; i < m_springs.size(); i++)
         for (int k = 0; k < m_springs[i].nodeCount; k++)
         {
-            const auto body = size_t(FindLoaded(m_sides[i].soft[m_sides[i].ofNodes[k]]) - m_loaded.data());
+            const auto body = size_t(FindLoaded(m_sides[i].soft[m_sides[i].kept->sides[k]]) - m_loaded.data());
             m_springs[i].nodes[k] += m_elasticity->FirstNodeOf(body);
         }
 }
@@ -333,7 +326,7 @@ void qcElasticContacts::LimitRebounds()
             spring.missing -= sliding;
             motion -= sliding;
         }
-        m_rebounds.Limit(*m_sides[i].soft[0], m_sides[i].rigid, motion, m_sides[i].sprung, &spring);
+        m_rebounds.Limit(*m_sides[i].soft[0], m_sides[i].kept->rigid.object, motion, m_sides[i].sprung, &spring);
     }
 }
 

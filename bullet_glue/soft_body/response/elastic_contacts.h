@@ -40,15 +40,13 @@ class qcElasticContacts
         bool isStrain = false;        ///< the soft body needs its elasticity to bear the rigid one
         btVector3 predicted{0, 0, 0}; ///< weighted sum of its nodes before Bullet's solver
     };
-    /// A spring's sides.
+    /// The contact of a spring, and what has moved its sides.
     struct Sides
     {
-        qcSceneSoftBody* soft[2] = {nullptr, nullptr};
-        int ofNodes[6] = {0, 0, 0, 0, 0, 0}; ///< by node: 0 or 1
-        qcObjectKey rigid{nullptr, -1};      ///< without an object: none
-        bool isStrain = false;
-        btVector3 rigidMotion{0, 0, 0}; ///< of the rigid body's point in this step
-        btVector3 sprung{0, 0, 0};      ///< motion of its nodes by Bullet's solver
+        const Kept* kept;
+        qcSceneSoftBody* soft[2];
+        btVector3 rigidMotion; ///< of the rigid body's point in this step
+        btVector3 sprung;      ///< motion of its nodes by Bullet's solver
     };
 
     void FindCovered(qcSoftBodyScene& scene);

@@ -6,10 +6,10 @@
 namespace
 {
 // Links are at most that stiff, in units of the masses that they may have to carry. A link that bears a body alone
-// stretches by this part of the body's fall in a step.
+// stretches by a twentieth of the body's fall in a step.
 constexpr btScalar s_maxStiffness = 20;
-// Nodes that links pull back by less than this in a step, as a share of the default thickness (a twentieth of an edge
-// of cloth), leave the rest to contacts.
+// Contacts that push nodes by less than this in a step, as a share of the default thickness (a twentieth of an edge of
+// cloth), need no help.
 constexpr btScalar s_strain = btScalar(0.1);
 // The cosine between the weight of a body that lies on a sheet and the normal of a contact, at least.
 constexpr btScalar s_downwards = btScalar(0.3);
