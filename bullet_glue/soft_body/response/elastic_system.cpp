@@ -382,13 +382,49 @@ bool qcElasticSystem::UpdateSprings()
         const btVector3 force = spring.stiffness * (spring.missing - Relative(spring, m_x));
         const btScalar along = spring.normal.dot(force), across = (force - spring.normal * along).length();
         const bool isClosed = along > 0;
-        const btScalar held = across > spring.friction * along ? spring.friction * along / across : btScalar(1);
+        btScalar held = across > spring.friction * along ? spring.friction * along / across : btScalar(1);
+        // The force that it will have can be far less than its gap would give.
+        if (!spring.isClosed)
+            held = 0;
         changed = changed || isClosed != spring.isClosed || (isClosed && btFabs(held - spring.held) > s_heldChange);
         spring.isClosed = isClosed;
         if (isClosed)
             spring.held = held;
     }
     return changed;
+}
+
+/// Takes back what springs have given a rigid body along the surface beyond the friction of what presses on it. Where
+/// iterations stop early, springs still have forces that nothing has taken up. Their friction stopped boxes that slid.
+void qcElasticSystem::LimitFriction(int rigid)
+{
+    btVector3 pressure(0, 0, 0), friction(0, 0, 0), torque(0, 0, 0);
+    btScalar held = 0;
+    for (const qcElasticSpring& spring : *m_springs)
+    {
+        if (!spring.isClosed || spring.rigid != rigid)
+            continue;
+        const btVector3 force = ForceOf(spring, spring.missing - Relative(spring, m_x));
+        const btScalar along = spring.normal.dot(force);
+        const btVector3 across = force - spring.normal * along;
+        pressure -= spring.normal * std::max(along, btScalar(0));
+        friction -= across;
+        torque -= spring.arm.cross(across);
+        held += spring.friction * std::max(along, btScalar(0));
+    }
+    const btScalar ofSprings = pressure.length();
+    if (!(ofSprings > 0) || !(held > 0))
+        return;
+    const btVector3 momentum = m_rigids[size_t(rigid)].mass * m_x[At(rigid)], axis = pressure / ofSprings;
+    const btScalar along = momentum.dot(axis);
+    const btVector3 across = momentum - axis * along;
+    const btScalar excess = across.length() - held / ofSprings * std::max(along, btScalar(0));
+    if (!(excess > 0))
+        return;
+    m_x[At(rigid)] -= m_rigids[size_t(rigid)].mass.inverse() * (across * (excess / across.length()));
+    if (!friction.isZero())
+        m_x[At(rigid) + 1] -=
+            m_rigids[size_t(rigid)].inertia.inverse() * (torque * std::min(excess / friction.length(), btScalar(1)));
 }
 
 bool qcElasticSystem::Solve(qcNodeElasticity* elasticity, const std::vector<qcNodeElasticity::LoadedBody>& bodies,
@@ -419,6 +455,9 @@ bool qcElasticSystem::Solve(qcNodeElasticity* elasticity, const std::vector<qcNo
         FindInertia();
         SolveClosed();
     }
+    // Elsewhere iterations go on to the end, and momentum would be lost.
+    for (int i = 0; i < int(m_rigids.size()) && !m_elasticity->KeepsEnergy(); i++)
+        LimitFriction(i);
     for (int i = 0; i < size; i++)
         if (!std::isfinite(m_x[i].length2()))
         {

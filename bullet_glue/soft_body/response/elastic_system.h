@@ -76,6 +76,7 @@ class qcElasticSystem
     double SquareOfForces();
     void SolveClosed();
     bool UpdateSprings();
+    void LimitFriction(int rigid);
 
     qcNodeElasticity* m_elasticity = nullptr;
     std::vector<qcElasticSpring>* m_springs = nullptr;
