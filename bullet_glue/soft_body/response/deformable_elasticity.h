@@ -24,7 +24,7 @@ class qcDeformableElasticity : public qcNodeElasticity
     {
         return true;
     }
-    int MaxIterations() const override
+    int MaxIterations(int) const override
     {
         return 100;
     }

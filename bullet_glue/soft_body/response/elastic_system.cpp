@@ -109,6 +109,7 @@ void qcElasticSystem::FindNodes(const std::vector<qcNodeElasticity::LoadedBody>&
     m_nodes.assign(size_t(m_elasticity->NodeCount()), nullptr);
     m_bodyOfNode.assign(m_nodes.size(), -1);
     m_bodyInverses.resize(bodies.size());
+    m_isFree.assign(bodies.size(), true);
     for (size_t body = 0; body < bodies.size(); body++)
         for (int i = 0; i < bodies[body].soft->NodeCount(); i++)
         {
@@ -116,6 +117,8 @@ void qcElasticSystem::FindNodes(const std::vector<qcNodeElasticity::LoadedBody>&
             m_bodyOfNode[number] = int(body);
             if (bodies[body].soft->InverseMass(uint32_t(i)) > 0)
                 m_nodes[number] = &bodies[body].soft->body->m_nodes[i];
+            else
+                m_isFree[body] = false;
         }
 }
 
@@ -247,8 +250,8 @@ void qcElasticSystem::Multiply(const Vector& x, Vector* result) const
             AddForce(spring, ForceOf(spring, Relative(spring, x)), &b);
 }
 
-/// The inverses of the diagonal blocks, of three rows each, and of the blocks of the translations of soft bodies:
-/// elasticity does not resist these, so that single nodes are a poor guide to them.
+/// The inverses of the diagonal blocks, of three rows each, and of the blocks of the translations of soft bodies
+/// without pinned nodes: elasticity does not resist these, so that single nodes are a poor guide to them.
 void qcElasticSystem::FindBlocks()
 {
     m_inverses.assign(size_t(m_x.size()), Scaled(0));
@@ -293,14 +296,17 @@ void qcElasticSystem::FindBlocks()
     }
     for (size_t i = 0; i < m_inverses.size(); i++)
         m_inverses[i] = i < m_nodes.size() && m_nodes[i] == nullptr ? Scaled(0) : m_inverses[i].inverse();
-    for (btMatrix3x3& block : m_bodyInverses)
-        block = block.determinant() > 0 ? block.inverse() : Scaled(0);
+    for (size_t i = 0; i < m_bodyInverses.size(); i++)
+        m_bodyInverses[i] =
+            m_isFree[i] && m_bodyInverses[i].determinant() > 0 ? m_bodyInverses[i].inverse() : Scaled(0);
 }
 
 void qcElasticSystem::Precondition(const Vector& r, Vector* result) const
 {
     for (int i = 0; i < r.size(); i++)
         (*result)[i] = m_inverses[size_t(i)] * r[i];
+    if (std::find(m_isFree.begin(), m_isFree.end(), true) == m_isFree.end())
+        return;
     m_sums.assign(m_bodyInverses.size(), btVector3(0, 0, 0));
     for (size_t i = 0; i < m_nodes.size(); i++)
         if (m_nodes[i] != nullptr)
@@ -324,7 +330,7 @@ double qcElasticSystem::SquareOfForces()
 }
 
 /// Solves for the springs that are closed, from m_x on.
-void qcElasticSystem::SolveClosed()
+void qcElasticSystem::SolveClosed(int round)
 {
     qcSetZero(&m_right);
     for (const qcElasticSpring& spring : *m_springs)
@@ -347,7 +353,7 @@ void qcElasticSystem::SolveClosed()
     RemoveMomentum(&m_preconditioned);
     m_direction.copyFromArray(m_preconditioned);
     double square = Dot(m_residual, m_preconditioned);
-    for (int k = 0; k < m_elasticity->MaxIterations() && square > 0; k++)
+    for (int k = 0; k < m_elasticity->MaxIterations(round) && square > 0; k++)
     {
         // What the springs push is the small rest of what they would push at first.
         if (k % s_checkInterval == 0 && square < double(s_tolerance) * double(s_tolerance) * SquareOfForces())
@@ -448,12 +454,12 @@ bool qcElasticSystem::Solve(qcNodeElasticity* elasticity, const std::vector<qcNo
     SetStiffness();
     if (isGuess)
         UpdateSprings();
-    SolveClosed();
+    SolveClosed(0);
     for (int round = 1; round < s_maxRounds && UpdateSprings(); round++)
     {
         m_elasticity->Update(m_x);
         FindInertia();
-        SolveClosed();
+        SolveClosed(round);
     }
     // Elsewhere iterations go on to the end, and momentum would be lost.
     for (int i = 0; i < int(m_rigids.size()) && !m_elasticity->KeepsEnergy(); i++)

@@ -74,7 +74,7 @@ class qcElasticSystem
     void FindBlocks();
     void Precondition(const Vector& r, Vector* result) const;
     double SquareOfForces();
-    void SolveClosed();
+    void SolveClosed(int round);
     bool UpdateSprings();
     void LimitFriction(int rigid);
 
@@ -82,6 +82,7 @@ class qcElasticSystem
     std::vector<qcElasticSpring>* m_springs = nullptr;
     std::vector<btSoftBody::Node*> m_nodes; ///< by number; null: it doesn't move
     std::vector<int> m_bodyOfNode;          ///< by number
+    std::vector<bool> m_isFree;             ///< by soft body: none of its nodes is pinned
     std::vector<Rigid> m_rigids;
     std::vector<int> m_groups; ///< by soft body, then by rigid body; -1: something fixed takes its momentum
     mutable std::vector<Momentum> m_momenta; ///< scratch of RemoveMomentum, by group

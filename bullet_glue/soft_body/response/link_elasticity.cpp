@@ -8,6 +8,9 @@ namespace
 // Links are at most that stiff, in units of the masses that they may have to carry. A link that bears a body alone
 // stretches by a twentieth of the body's fall in a step.
 constexpr btScalar s_maxStiffness = 20;
+// Sweeps over a link that leave more than this of a stretch resist less than the inertia of its nodes. Such links, as
+// of bending, are often the most.
+constexpr btScalar s_mostLeft = btScalar(0.5);
 // Contacts that push nodes by less than this in a step, as a share of the default thickness (a twentieth of an edge of
 // cloth), need no help.
 constexpr btScalar s_strain = btScalar(0.1);
@@ -15,7 +18,7 @@ constexpr btScalar s_strain = btScalar(0.1);
 constexpr btScalar s_downwards = btScalar(0.3);
 
 /// The stiffness of a link times the square of the step: that of the spring which gives its two nodes the displacement
-/// of all sweeps, if only they moved.
+/// of all sweeps, if only they moved. Zero: it is not worth a spring.
 btScalar LinkStiffness(const btSoftBody& body, const btSoftBody::Link& link, btScalar largest)
 {
     const btScalar inverse = link.m_n[0]->m_im + link.m_n[1]->m_im;
@@ -23,6 +26,8 @@ btScalar LinkStiffness(const btSoftBody& body, const btSoftBody::Link& link, btS
         return 0;
     const btScalar left =
         btPow(btClamped(1 - link.m_material->m_kLST, btScalar(0), btScalar(1)), btScalar(body.m_cfg.piterations));
+    if (left > s_mostLeft)
+        return 0;
     return left * largest * inverse < 1 - left ? largest : (1 / left - 1) / inverse;
 }
 } // namespace
@@ -80,7 +85,7 @@ bool qcLinkElasticity::Begin(const std::vector<LoadedBody>& bodies, btScalar tim
         m_perDistance.push_back((1 - body.m_cfg.kDP) / timeStep);
         m_firstNodes.push_back(first + body.m_nodes.size());
     }
-    return true;
+    return !m_springs.empty();
 }
 
 void qcLinkElasticity::Update(const Vector& x)

@@ -15,9 +15,9 @@ class qcLinkElasticity : public qcNodeElasticity
     {
         return false;
     }
-    int MaxIterations() const override
+    int MaxIterations(int round) const override
     {
-        return 30;
+        return round == 0 ? 30 : 10;
     }
     btScalar SpringStiffness() const override
     {

@@ -25,8 +25,9 @@ class qcNodeElasticity
     virtual ~qcNodeElasticity() = default;
     /// False: Bullet moves nodes by positions. A body that followed them would gain energy.
     virtual bool KeepsEnergy() const = 0;
-    /// The most iterations that a solution of the system is worth.
-    virtual int MaxIterations() const = 0;
+    /// The most iterations that a solution of the system is worth in a round, from 0. Later rounds go on from the one
+    /// before, with a few springs changed.
+    virtual int MaxIterations(int round) const = 0;
     /// Stiffness of a contact's spring, in units of that of its nodes with all others fixed. Softer ones leave more of
     /// a load to the contacts that follow, which know no elasticity; stiffer ones take more iterations.
     virtual btScalar SpringStiffness() const = 0;
@@ -40,7 +41,8 @@ class qcNodeElasticity
     /// True if a body needs its elasticity to bear a rigid body that contacts have pushed it out of by this much in a
     /// step.
     virtual bool IsStrain(const qcSceneSoftBody& soft, btScalar pushed) const = 0;
-    /// Reads the bodies of this step, and numbers their nodes. False: there are no numbers for them.
+    /// Reads the bodies of this step, and numbers their nodes. False: there are no numbers for them, or
+    /// nothing resists.
     virtual bool Begin(const std::vector<LoadedBody>& bodies, btScalar timeStep) = 0;
     /// The number of the first node of one of the bodies; the others follow in their order.
     virtual int FirstNodeOf(size_t body) const = 0;
