@@ -355,6 +355,6 @@ void qcElasticContacts::Solve(qcSoftBodyScene& scene, qcPresentObjects* present,
         LimitRebounds();
     if (!m_system.Solve(m_elasticity.get(), m_loaded, &m_springs))
         return;
-    m_rebounds.End(m_system);
+    m_rebounds.End(&m_system);
     m_system.Apply(timeStep);
 }

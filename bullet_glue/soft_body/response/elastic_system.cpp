@@ -99,7 +99,7 @@ int qcElasticSystem::AddRigid(btRigidBody* body)
     auto found =
         std::find_if(m_rigids.begin(), m_rigids.end(), [body](const Rigid& rigid) { return rigid.body == body; });
     if (found == m_rigids.end())
-        found = m_rigids.insert(found, {body, MassOf(*body), InertiaOf(*body)});
+        found = m_rigids.insert(found, {body, MassOf(*body), InertiaOf(*body), 1});
     return int(found - m_rigids.begin());
 }
 
@@ -489,8 +489,9 @@ void qcElasticSystem::Apply(btScalar timeStep) const
     {
         btRigidBody& body = *m_rigids[size_t(i)].body;
         const qcRigidDisplacement by = DisplacementOf(i);
-        body.setLinearVelocity(body.getLinearVelocity() + by.linear / timeStep);
-        body.setAngularVelocity(body.getAngularVelocity() + by.angular / timeStep);
+        const btScalar perDistance = m_rigids[size_t(i)].velocityShare / timeStep;
+        body.setLinearVelocity(body.getLinearVelocity() + by.linear * perDistance);
+        body.setAngularVelocity(body.getAngularVelocity() + by.angular * perDistance);
         body.setCenterOfMassTransform(qcDisplaced(body.getWorldTransform(), by));
     }
 }

@@ -41,6 +41,11 @@ class qcElasticSystem
                std::vector<qcElasticSpring>* springs);
     /// The solution for a rigid body.
     qcRigidDisplacement DisplacementOf(int rigid) const;
+    /// Gives a rigid body this share of the velocity that its displacement would.
+    void SetVelocityShare(int rigid, btScalar share)
+    {
+        m_rigids[size_t(rigid)].velocityShare = share;
+    }
     /// Adds the displacements to the bodies' positions, and the velocities that lead there.
     void Apply(btScalar timeStep) const;
 
@@ -49,6 +54,7 @@ class qcElasticSystem
     {
         btRigidBody* body;
         btMatrix3x3 mass, inertia;
+        btScalar velocityShare;
     };
 
     struct Momentum

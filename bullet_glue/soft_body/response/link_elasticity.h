@@ -17,7 +17,7 @@ class qcLinkElasticity : public qcNodeElasticity
     }
     int MaxIterations(int round) const override
     {
-        return round == 0 ? 30 : 10;
+        return round == 0 ? 30 : 15;
     }
     btScalar SpringStiffness() const override
     {

@@ -38,7 +38,7 @@ void qcRebounds::Begin(btScalar timeStep)
     m_rebounds.clear();
 }
 
-const qcRebounds::Rebound& qcRebounds::Find(const qcSceneSoftBody& soft, const qcObjectKey& rigid, int index)
+qcRebounds::Rebound& qcRebounds::Find(const qcSceneSoftBody& soft, const qcObjectKey& rigid, int index)
 {
     auto isOf = [&rigid](const Rebound& rebound) { return rebound.rigid == rigid; };
     auto found = std::find_if(m_rebounds.begin(), m_rebounds.end(), isOf);
@@ -46,7 +46,7 @@ const qcRebounds::Rebound& qcRebounds::Find(const qcSceneSoftBody& soft, const q
         return *found;
     const btRigidBody& body = *btRigidBody::upcast(rigid.object);
     auto previous = std::find_if(m_previous.begin(), m_previous.end(), isOf);
-    Rebound rebound = {rigid, index, MeanVelocity(soft, m_timeStep), {}, 0, 0};
+    Rebound rebound = {rigid, index, MeanVelocity(soft, m_timeStep), {}, 0, 0, 0};
     rebound.start = body.getLinearVelocity() - body.getGravity() * m_timeStep - rebound.frame;
     rebound.startEnergy = KineticEnergy(body, rebound.start, body.getAngularVelocity());
     rebound.energy = previous != m_previous.end() ? previous->energy : btScalar(0);
@@ -57,7 +57,7 @@ const qcRebounds::Rebound& qcRebounds::Find(const qcSceneSoftBody& soft, const q
 void qcRebounds::Limit(const qcSceneSoftBody& soft, const qcObjectKey& rigid, const btVector3& motion,
                        const btVector3& sprung, qcElasticSpring* spring)
 {
-    const Rebound& rebound = Find(soft, rigid, spring->rigid);
+    Rebound& rebound = Find(soft, rigid, spring->rigid);
     const btScalar share = qcGapRecoveryOf(m_timeStep);
     const btVector3& normal = spring->normal;
     const btScalar missing = normal.dot(spring->missing);
@@ -68,27 +68,55 @@ void qcRebounds::Limit(const qcSceneSoftBody& soft, const qcObjectKey& rigid, co
     const btScalar speed = btSqrt(2 * rebound.energy * btRigidBody::upcast(rigid.object)->getInvMass());
     const btScalar approach = normal.dot(motion - rebound.frame * m_timeStep), ofNodes = missing - approach;
     const btScalar most = std::max(share * ofNodes, speed * m_timeStep);
+    rebound.speed = std::max(rebound.speed, most / m_timeStep);
     const btScalar limited = btClamped(approach + std::min(ofNodes, most), btScalar(0), missing);
     spring->missing += normal * (limited - missing);
     spring->isClosed = limited > 0;
 }
 
-/// The kinetic energy that the body gets by the solution, but for what gravity gives it.
-btScalar qcRebounds::GainOf(const qcElasticSystem& system, const Rebound& rebound) const
+/// The energy that gravity gives in a step, for the sum of the velocities at its start and its end.
+btScalar qcRebounds::OfGravity(const btRigidBody& body, const btVector3& velocities) const
+{
+    return body.getGravity().dot(velocities) * m_timeStep / (2 * body.getInvMass());
+}
+
+/// The kinetic energy that the body gets by this share of the solution, but for what gravity gives it.
+btScalar qcRebounds::GainOf(const qcElasticSystem& system, const Rebound& rebound, btScalar share) const
 {
     const btRigidBody& body = *btRigidBody::upcast(rebound.rigid.object);
     const qcRigidDisplacement by = system.DisplacementOf(rebound.index);
-    const btVector3 velocity = body.getLinearVelocity() + by.linear / m_timeStep - rebound.frame;
-    const btScalar ofGravity = body.getGravity().dot(velocity + rebound.start) * m_timeStep / (2 * body.getInvMass());
-    return KineticEnergy(body, velocity, body.getAngularVelocity() + by.angular / m_timeStep) - rebound.startEnergy -
-           ofGravity;
+    const btVector3 velocity = body.getLinearVelocity() + by.linear * (share / m_timeStep) - rebound.frame;
+    return KineticEnergy(body, velocity, body.getAngularVelocity() + by.angular * (share / m_timeStep)) -
+           rebound.startEnergy - OfGravity(body, velocity + rebound.start);
 }
 
-void qcRebounds::End(const qcElasticSystem& system)
+/// The share of a solution's velocity with which the body has no more energy than before, but for gravity and what
+/// springs may give. Iterations that stop early give more: boxes spun, and were thrown off their sheet.
+btScalar qcRebounds::ShareOf(const qcElasticSystem& system, const Rebound& rebound) const
+{
+    const btRigidBody& body = *btRigidBody::upcast(rebound.rigid.object);
+    const qcRigidDisplacement by = system.DisplacementOf(rebound.index);
+    const btVector3 velocity = body.getLinearVelocity() - rebound.frame, change = by.linear / m_timeStep;
+    const btVector3 spin = body.getAngularVelocity(), changeOfSpin = by.angular / m_timeStep;
+    const btScalar before = KineticEnergy(body, velocity, spin);
+    const btScalar after = KineticEnergy(body, velocity + change, spin + changeOfSpin);
+    const btScalar square = KineticEnergy(body, change, changeOfSpin), linear = after - before - square;
+    const btScalar most = rebound.startEnergy + OfGravity(body, velocity + change + rebound.start) +
+                          rebound.speed * rebound.speed / (2 * body.getInvMass());
+    if (after <= most || !(square > 0))
+        return 1;
+    const btScalar left = std::max(most - before, btScalar(0));
+    const btScalar share = (btSqrt(linear * linear + 4 * square * left) - linear) / (2 * square);
+    return btClamped(share, btScalar(0), btScalar(1));
+}
+
+void qcRebounds::End(qcElasticSystem* solution)
 {
     for (Rebound& rebound : m_rebounds)
     {
-        const btScalar gain = GainOf(system, rebound);
+        const btScalar share = ShareOf(*solution, rebound);
+        solution->SetVelocityShare(rebound.index, share);
+        const btScalar gain = GainOf(*solution, rebound, share);
         rebound.energy = std::max(btScalar(0), rebound.energy - (gain > 0 ? gain : s_restitution * gain));
     }
 }

@@ -16,8 +16,8 @@ class qcRebounds
     /// `sprung`: of its nodes, by their links.
     void Limit(const qcSceneSoftBody& soft, const qcObjectKey& rigid, const btVector3& motion, const btVector3& sprung,
                qcElasticSpring* spring);
-    /// Reads what the solution takes and gives.
-    void End(const qcElasticSystem& system);
+    /// Limits the velocities of the solution, and reads what it takes and gives.
+    void End(qcElasticSystem* solution);
 
   private:
     struct Rebound
@@ -28,10 +28,13 @@ class qcRebounds
         btVector3 start;      ///< velocity of the rigid body in this frame at the start of the step, without its weight
         btScalar startEnergy; ///< kinetic, of the rigid body in this frame
         btScalar energy;      ///< that may be given back
+        btScalar speed;       ///< that springs may give it
     };
 
-    const Rebound& Find(const qcSceneSoftBody& soft, const qcObjectKey& rigid, int index);
-    btScalar GainOf(const qcElasticSystem& system, const Rebound& rebound) const;
+    Rebound& Find(const qcSceneSoftBody& soft, const qcObjectKey& rigid, int index);
+    btScalar OfGravity(const btRigidBody& body, const btVector3& velocities) const;
+    btScalar ShareOf(const qcElasticSystem& system, const Rebound& rebound) const;
+    btScalar GainOf(const qcElasticSystem& system, const Rebound& rebound, btScalar share) const;
 
     btScalar m_timeStep = 0;
     std::vector<Rebound> m_rebounds, m_previous;

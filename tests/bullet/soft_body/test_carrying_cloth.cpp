@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <vector>
 
 // After the standard headers: check defines a macro named fail.
 #include "support/suite.h"
@@ -196,6 +197,46 @@ START_TEST(a_box_on_a_taut_sheet_slides_as_far_as_its_friction_lets_it)
 }
 END_TEST
 
+START_TEST(bodies_that_share_a_sheet_come_to_rest)
+{
+    // Each moves the sheet under the others.
+    const int stepsPerSecond = _i == 0 ? 60 : 240;
+    Sheet sheet(2, 0.1);
+    btBoxShape cube(btVector3(btScalar(0.2), btScalar(0.2), btScalar(0.2)));
+    btBoxShape plate(btVector3(btScalar(0.3), btScalar(0.06), btScalar(0.3)));
+    const btScalar masses[] = {btScalar(0.1), 20, 1, 5};
+    std::vector<btRigidBody*> bodies = {sheet.ball};
+    for (int i = 0; i < 4; i++)
+    {
+        const btScalar x = btScalar(i % 2 == 0 ? -0.7 : 0.7), z = btScalar(i / 2 == 0 ? -0.65 : 0.7);
+        btCollisionShape* shape = i % 3 == 0 ? &cube : &plate;
+        bodies.push_back(sheet.made.AddBody(shape, masses[i], btVector3(x, btScalar(0.3 + 0.05 * i), z)));
+        bodies.back()->setActivationState(DISABLE_DEACTIVATION);
+    }
+    double lowest = 1, speed = 0, spin = 0, stretch = 0;
+    for (int step = 0; step < 6 * stepsPerSecond; step++)
+    {
+        sheet.Step(stepsPerSecond);
+        if (step < 2 * stepsPerSecond)
+            continue;
+        stretch = std::max(stretch, sheet.Stretch());
+        for (const btRigidBody* body : bodies)
+        {
+            lowest = std::min(lowest, double(body->getWorldTransform().getOrigin().y()));
+            speed = std::max(speed, double(body->getLinearVelocity().length()));
+            spin = std::max(spin, double(body->getAngularVelocity().length()));
+        }
+    }
+    printf("5 bodies, %d steps a second: at least at %.2f m, at up to %.2f m/s and %.1f/s, stretch %.2f\n",
+           stepsPerSecond, lowest, speed, spin, stretch);
+    ck_assert_double_gt(lowest, -0.8);
+    ck_assert_double_lt(speed, 1.6);
+    ck_assert_double_lt(spin, 6);
+    ck_assert_double_lt(stretch, 1.6);
+    sheet.made.RemoveAll();
+}
+END_TEST
+
 START_TEST(cloth_that_lies_on_a_body_hangs_from_its_edges)
 {
     // The body carries the cloth: free, and held at two corners.
@@ -239,6 +280,7 @@ QC_TEST_MAIN()
     tcase_add_loop_test(tests, a_ball_rises_no_higher_than_it_fell_from, 0, 3);
     tcase_add_test(tests, a_sheet_that_is_lifted_lifts_what_it_carries);
     tcase_add_loop_test(tests, a_box_on_a_taut_sheet_slides_as_far_as_its_friction_lets_it, 0, 2);
+    tcase_add_loop_test(tests, bodies_that_share_a_sheet_come_to_rest, 0, 2);
     tcase_add_test(tests, cloth_that_lies_on_a_body_hangs_from_its_edges);
     return qcRunCase("carrying cloth", tests);
 }
