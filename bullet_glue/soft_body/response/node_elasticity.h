@@ -41,8 +41,7 @@ class qcNodeElasticity
     /// True if a body needs its elasticity to bear a rigid body that contacts have pushed it out of by this much in a
     /// step.
     virtual bool IsStrain(const qcSceneSoftBody& soft, btScalar pushed) const = 0;
-    /// Reads the bodies of this step, and numbers their nodes. False: there are no numbers for them, or
-    /// nothing resists.
+    /// Reads the bodies of this step, and numbers their nodes. False: there are no numbers, or nothing resists.
     virtual bool Begin(const std::vector<LoadedBody>& bodies, btScalar timeStep) = 0;
     /// The number of the first node of one of the bodies; the others follow in their order.
     virtual int FirstNodeOf(size_t body) const = 0;
