@@ -74,20 +74,15 @@ void qcRebounds::Limit(const qcSceneSoftBody& soft, const qcObjectKey& rigid, co
     spring->isClosed = limited > 0;
 }
 
-/// The energy that gravity gives in a step, for the sum of the velocities at its start and its end.
-btScalar qcRebounds::OfGravity(const btRigidBody& body, const btVector3& velocities) const
-{
-    return body.getGravity().dot(velocities) * m_timeStep / (2 * body.getInvMass());
-}
-
 /// The kinetic energy that the body gets by this share of the solution, but for what gravity gives it.
 btScalar qcRebounds::GainOf(const qcElasticSystem& system, const Rebound& rebound, btScalar share) const
 {
     const btRigidBody& body = *btRigidBody::upcast(rebound.rigid.object);
     const qcRigidDisplacement by = system.DisplacementOf(rebound.index);
     const btVector3 velocity = body.getLinearVelocity() + by.linear * (share / m_timeStep) - rebound.frame;
+    const btScalar ofGravity = body.getGravity().dot(velocity + rebound.start) * m_timeStep / (2 * body.getInvMass());
     return KineticEnergy(body, velocity, body.getAngularVelocity() + by.angular * (share / m_timeStep)) -
-           rebound.startEnergy - OfGravity(body, velocity + rebound.start);
+           rebound.startEnergy - ofGravity;
 }
 
 /// The share of a solution's velocity with which the body has no more energy than before, but for gravity and what
@@ -95,17 +90,18 @@ btScalar qcRebounds::GainOf(const qcElasticSystem& system, const Rebound& reboun
 btScalar qcRebounds::ShareOf(const qcElasticSystem& system, const Rebound& rebound) const
 {
     const btRigidBody& body = *btRigidBody::upcast(rebound.rigid.object);
+    const btScalar excess = GainOf(system, rebound, 1) - rebound.speed * rebound.speed / (2 * body.getInvMass());
+    if (!(excess > 0))
+        return 1;
     const qcRigidDisplacement by = system.DisplacementOf(rebound.index);
     const btVector3 velocity = body.getLinearVelocity() - rebound.frame, change = by.linear / m_timeStep;
     const btVector3 spin = body.getAngularVelocity(), changeOfSpin = by.angular / m_timeStep;
     const btScalar before = KineticEnergy(body, velocity, spin);
     const btScalar after = KineticEnergy(body, velocity + change, spin + changeOfSpin);
     const btScalar square = KineticEnergy(body, change, changeOfSpin), linear = after - before - square;
-    const btScalar most = rebound.startEnergy + OfGravity(body, velocity + change + rebound.start) +
-                          rebound.speed * rebound.speed / (2 * body.getInvMass());
-    if (after <= most || !(square > 0))
+    if (!(square > 0))
         return 1;
-    const btScalar left = std::max(most - before, btScalar(0));
+    const btScalar left = std::max(after - excess - before, btScalar(0));
     const btScalar share = (btSqrt(linear * linear + 4 * square * left) - linear) / (2 * square);
     return btClamped(share, btScalar(0), btScalar(1));
 }

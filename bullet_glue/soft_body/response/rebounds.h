@@ -32,7 +32,6 @@ class qcRebounds
     };
 
     Rebound& Find(const qcSceneSoftBody& soft, const qcObjectKey& rigid, int index);
-    btScalar OfGravity(const btRigidBody& body, const btVector3& velocities) const;
     btScalar ShareOf(const qcElasticSystem& system, const Rebound& rebound) const;
     btScalar GainOf(const qcElasticSystem& system, const Rebound& rebound, btScalar share) const;
 
