@@ -22,7 +22,7 @@
 
 namespace
 {
-// Draws of a site that equals an earlier one, before it is taken all the same.
+// Draws of a site that equals an earlier one, before a free position is looked for.
 constexpr int s_maxDraws = 100;
 constexpr btScalar s_minMass = std::numeric_limits<btScalar>::min();
 constexpr double s_minShare = 1e-9; ///< min volume of a piece relative to the mesh; smaller pieces are dropped
@@ -381,6 +381,21 @@ double Random(uint64_t* state)
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
     return double((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
+/// The position in a box that follows another one: x first, then y, then z; behind the last one comes the first.
+btVector3 NextPosition(const btVector3& position, const btVector3& lower, const btVector3& upper)
+{
+    btVector3 next = position;
+    for (int axis = 0; axis < 3; axis++)
+    {
+        if (next[axis] < upper[axis])
+        {
+            next[axis] = std::nextafter(next[axis], upper[axis]);
+            break;
+        }
+        next[axis] = lower[axis];
+    }
+    return next;
+}
 } // namespace
 
 qcFracture qcFracture_Split(const qcFractureDef& def)
@@ -439,8 +454,18 @@ std::vector<btVector3> qcScatterSites(const btVector3& lower, const btVector3& u
     {
         btVector3 site = draw();
         // Far from the origin few positions are near the impact.
-        for (int more = 0; more < s_maxDraws && !taken.insert({site.x(), site.y(), site.z()}).second; more++)
+        bool isNew = taken.insert({site.x(), site.y(), site.z()}).second;
+        for (int more = 0; more < s_maxDraws && !isNew; more++)
+        {
             site = draw();
+            isNew = taken.insert({site.x(), site.y(), site.z()}).second;
+        }
+        // One of as many positions as are taken, and one more, is free.
+        for (size_t passed = 0; passed < taken.size() && !isNew; passed++)
+        {
+            site = NextPosition(site, lower, upper);
+            isNew = taken.insert({site.x(), site.y(), site.z()}).second;
+        }
         sites.push_back(site);
     }
     return sites;

@@ -7,7 +7,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <sys/stat.h>
+#include <unistd.h>
 
 namespace
 {
@@ -101,6 +106,8 @@ std::string FindDefect(const qcFracture& fracture)
 {
     if (fracture.status != qc_statusOk)
         return "its status is " + std::string(qcStatus_Name(fracture.status));
+    if (fracture.siteCount == 0)
+        return "it has no sites";
     if (!std::isfinite(fracture.volume) || !std::isfinite(fracture.lostVolume))
         return "its volume is not finite";
     for (size_t i = 0; i < fracture.pieces.size(); i++)
@@ -118,21 +125,74 @@ std::string FindDefect(const qcFracture& fracture)
     return "";
 }
 
+/// A new file beside another one, which it replaces, or whose name it gets, when it is complete.
+class NewFile
+{
+  public:
+    /// A symbolic link stays: the file behind it is replaced. What is no file, as a pipe, is written itself.
+    explicit NewFile(const std::string& path)
+    {
+        std::error_code error;
+        const std::filesystem::file_status old = std::filesystem::status(path, error);
+        m_isDirect = std::filesystem::exists(old) && !std::filesystem::is_regular_file(old);
+        m_target = m_isDirect ? path : std::filesystem::weakly_canonical(path, error).string();
+        m_name = m_isDirect ? path : m_target + ".XXXXXX";
+        const int descriptor = m_isDirect ? open(path.c_str(), O_WRONLY) : mkstemp(&m_name[0]);
+        m_stream = descriptor >= 0 ? fdopen(descriptor, "wb") : nullptr;
+        m_isNamed = m_isDirect || descriptor < 0;
+        if (m_isNamed)
+            return;
+        // mkstemp lets nobody else read.
+        const mode_t mask = umask(0);
+        umask(mask);
+        std::filesystem::permissions(
+            m_name, std::filesystem::exists(old) ? old.permissions() : std::filesystem::perms(0666 & ~mask), error);
+    }
+
+    NewFile(const NewFile&) = delete;
+    NewFile& operator=(const NewFile&) = delete;
+
+    ~NewFile()
+    {
+        if (m_stream != nullptr)
+            std::fclose(m_stream);
+        if (!m_isNamed)
+            std::remove(m_name.c_str());
+    }
+
+    bool IsOpen() const
+    {
+        return m_stream != nullptr;
+    }
+
+    /// False, with errno: the old file is as it was.
+    bool Write(const std::vector<char>& bytes)
+    {
+        if (std::fwrite(bytes.data(), 1, bytes.size(), m_stream) != bytes.size())
+            return false;
+        // Some file systems report a full disk here only.
+        const bool isClosed = std::fclose(m_stream) == 0;
+        m_stream = nullptr;
+        if (!isClosed || m_isNamed)
+            return isClosed;
+        m_isNamed = std::rename(m_name.c_str(), m_target.c_str()) == 0;
+        return m_isNamed;
+    }
+
+  private:
+    std::string m_target, m_name;
+    std::FILE* m_stream;
+    bool m_isDirect;
+    bool m_isNamed; ///< nothing is to be removed
+};
+
 /// The reason why the file could not be written, or an empty text.
 std::string WriteFile(const char* path, const std::vector<char>& bytes)
 {
-    std::FILE* file = std::fopen(path, "wb");
-    if (file == nullptr)
+    NewFile file(path);
+    if (!file.IsOpen())
         return std::string(path) + " can't be created: " + std::strerror(errno);
-    bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
-    int error = errno;
-    // Some file systems report a full disk here only.
-    if (std::fclose(file) != 0 && written)
-    {
-        written = false;
-        error = errno;
-    }
-    return written ? "" : std::string(path) + " can't be written: " + std::strerror(error);
+    return file.Write(bytes) ? "" : std::string(path) + " can't be written: " + std::strerror(errno);
 }
 } // namespace
 

@@ -115,9 +115,24 @@ uint32_t FindSides(const qcClipSolid& solid, const qcClipPlane& plane, qcClipScr
     return kept;
 }
 
-/// True if a face lies in the plane and has what is outside of that behind it: with the plane's points it would stay as
-/// a sheet without thickness, which joins what the plane parts.
-bool HasFaceAgainst(const qcClipSolid& solid, const qcClipPlane& plane, const std::vector<double>& sides)
+/// The faces that lie in the plane, sorted: those with what is inside of it behind them, and those with what is
+/// outside.
+struct PlaneFaces
+{
+    std::vector<uint32_t> inside, outside;
+
+    bool IsInside(uint32_t face) const
+    {
+        return std::binary_search(inside.begin(), inside.end(), face);
+    }
+
+    bool IsOutside(uint32_t face) const
+    {
+        return std::binary_search(outside.begin(), outside.end(), face);
+    }
+};
+
+PlaneFaces FindPlaneFaces(const qcClipSolid& solid, const qcClipPlane& plane, const std::vector<double>& sides)
 {
     struct FaceEdge
     {
@@ -133,6 +148,7 @@ bool HasFaceAgainst(const qcClipSolid& solid, const qcClipPlane& plane, const st
     std::sort(edges.begin(), edges.end(), [](const FaceEdge& a, const FaceEdge& b) { return a.face < b.face; });
     // Twice a face's area, along the plane's normal. The edges of a face that the plane crosses lie on one line: no
     // area.
+    PlaneFaces faces;
     for (size_t i = 0; i < edges.size();)
     {
         const uint32_t face = edges[i].face;
@@ -141,19 +157,10 @@ bool HasFaceAgainst(const qcClipSolid& solid, const qcClipPlane& plane, const st
         for (; i < edges.size() && edges[i].face == face; i++)
             area += qcDotOf(plane.normal, qcCrossOf(qcMinus(solid.points[edges[i].from], about),
                                                     qcMinus(solid.points[edges[i].to], about)));
-        if (area < -s_minFaceArea)
-            return true;
+        if (std::abs(area) > s_minFaceArea)
+            (area > 0 ? faces.inside : faces.outside).push_back(face);
     }
-    return false;
-}
-
-/// Counts points in the plane as outside, too. Returns how many are not.
-uint32_t LeaveOutPlane(qcClipScratch* scratch)
-{
-    uint32_t kept = 0;
-    for (size_t i = 0; i < scratch->sides.size(); i++)
-        scratch->newIndices[i] = scratch->sides[i] < 0 ? kept++ : s_none;
-    return kept;
+    return faces;
 }
 
 /// Copies the edges with an end that is not outside, in order, with the new indices of their ends; lists those with one
@@ -291,6 +298,79 @@ class CutEdges
     std::vector<qcCutPoint>& m_extraPoints; ///< of faces that leave the inside more than once
 };
 
+//  ---- faces in the plane ----------------------------------------------------------------------------
+
+/// An edge as it is inside of the plane. Faces in the plane that have the outside behind them are left out; where such
+/// a face borders on one that has the inside behind it, the cut face takes its place. False: nothing is left of the
+/// edge.
+bool LeaveOutside(const PlaneFaces& faces, uint32_t cutFace, double start, double end, qcClipEdge* edge)
+{
+    if (start != 0 || end != 0)
+        return start < 0 || end < 0;
+    const bool isLeftOutside = faces.IsOutside(edge->left), isRightOutside = faces.IsOutside(edge->right);
+    const uint32_t other = isLeftOutside ? edge->right : edge->left;
+    if (isLeftOutside || isRightOutside)
+        (isLeftOutside ? edge->left : edge->right) = cutFace;
+    return (!isLeftOutside && !isRightOutside) || faces.IsInside(other);
+}
+
+/// Lists the points in the plane where faces leave the inside or enter it: more half-edges of the face lead to them
+/// than from them, or fewer. `ends`: by half-edge with an end in the plane; `leaves`: it leads to that.
+void FindCutsInPlane(uint32_t cutFace, std::vector<qcCutPoint>* ends, std::vector<qcCutPoint>* cuts)
+{
+    auto key = [](const qcCutPoint& end) { return std::make_pair(end.face, end.point); };
+    std::sort(ends->begin(), ends->end(), [&](const qcCutPoint& a, const qcCutPoint& b) { return key(a) < key(b); });
+    for (size_t i = 0; i < ends->size();)
+    {
+        const qcCutPoint first = (*ends)[i];
+        int leaving = 0;
+        for (; i < ends->size() && key((*ends)[i]) == key(first); i++)
+            leaving += (*ends)[i].leaves ? 1 : -1;
+        if (first.face != cutFace)
+            cuts->insert(cuts->end(), size_t(std::abs(leaving)), {first.face, first.point, leaving > 0});
+    }
+}
+
+/// As KeepEdges, without the faces in the plane that have the outside behind them. Points in the plane are kept where
+/// edges that are left have them. Returns how many points are kept.
+uint32_t KeepEdgesInside(const qcClipSolid& from, const PlaneFaces& faces, uint32_t cutFace, qcClipScratch* scratch,
+                         std::vector<qcClipEdge>* to)
+{
+    const std::vector<double>& sides = scratch->sides;
+    std::vector<qcClipEdge> kept;
+    std::vector<bool> isKept(sides.size());
+    for (qcClipEdge edge : from.edges)
+        if (LeaveOutside(faces, cutFace, sides[edge.from], sides[edge.to], &edge))
+        {
+            kept.push_back(edge);
+            isKept[edge.from] = isKept[edge.to] = true;
+        }
+    uint32_t count = 0;
+    for (size_t i = 0; i < sides.size(); i++)
+        scratch->newIndices[i] = sides[i] < 0 || (sides[i] == 0 && isKept[i]) ? count++ : s_none;
+    std::vector<qcCutPoint> ends;
+    scratch->crossedEdges.clear();
+    for (size_t i = 0; i < kept.size(); i++)
+    {
+        qcClipEdge& edge = kept[i];
+        const uint32_t start = scratch->newIndices[edge.from], end = scratch->newIndices[edge.to];
+        if (start == s_none || end == s_none)
+            scratch->crossedEdges.push_back({edge.from, edge.to, i});
+        for (bool isEnd : {false, true})
+            if (sides[isEnd ? edge.to : edge.from] == 0)
+            {
+                ends.push_back({edge.left, isEnd ? end : start, isEnd});
+                ends.push_back({edge.right, isEnd ? end : start, !isEnd});
+            }
+        edge.from = start;
+        edge.to = end;
+    }
+    scratch->crossedCount = scratch->crossedEdges.size();
+    FindCutsInPlane(cutFace, &ends, &scratch->cutsInPlane);
+    to->swap(kept);
+    return count;
+}
+
 //  ---- triangles -------------------------------------------------------------------------------------
 
 /// Fills the half-edges of the scratch, sorted by face, and the ends of those of each face.
@@ -365,16 +445,26 @@ void qcClipSolid_Clip(const qcClipSolid& from, const qcClipPlane& plane, qcClipS
 {
     size_t inPlane;
     uint32_t kept = FindSides(from, plane, scratch, &inPlane);
-    if (inPlane >= 3 && HasFaceAgainst(from, plane, scratch->sides))
-        kept = LeaveOutPlane(scratch);
     if (kept == from.points.size())
     {
         if (to != &from)
             *to = from;
         return;
     }
-    KeepEdges(from, scratch, &to->edges);
+    const PlaneFaces faces = inPlane >= 3 ? FindPlaneFaces(from, plane, scratch->sides) : PlaneFaces();
+    // With all points of the plane, a face that has the outside behind it would stay as a sheet without thickness,
+    // which joins what the plane parts.
+    scratch->cutsInPlane.clear();
+    if (faces.outside.empty())
+        KeepEdges(from, scratch, &to->edges);
+    else
+        kept = KeepEdgesInside(from, faces, plane.face, scratch, &to->edges);
     CutEdges cutEdges(scratch);
+    for (const qcCutPoint& cut : scratch->cutsInPlane)
+        if (cut.leaves)
+            cutEdges.Leave(cut.face, cut.point);
+        else
+            cutEdges.Enter(cut.face, cut.point);
     std::vector<qcClipPoint>& made = scratch->points;
     made.clear();
     for (size_t i = 0; i < scratch->crossedCount; i++)

@@ -19,7 +19,7 @@ struct qcCutEdge
     uint32_t face, leave, enter;
 };
 
-/// A further point where a face leaves or enters the inside.
+/// A point where a face leaves or enters the inside.
 struct qcCutPoint
 {
     uint32_t face, point;
@@ -55,7 +55,7 @@ struct qcClipScratch
     size_t crossedCount = 0;
     std::vector<qcCutEdge> cutEdges;
     std::vector<uint32_t> cutEdgeOf; ///< by face
-    std::vector<qcCutPoint> extraPoints;
+    std::vector<qcCutPoint> extraPoints, cutsInPlane;
     //  Faces.
     std::vector<qcFaceEdges> faces;
     std::vector<uint32_t> faceIndex; ///< by face, in `faces`

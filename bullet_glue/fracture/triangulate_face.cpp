@@ -18,8 +18,9 @@ namespace
 // Ear clipping is about quadratic. With limits of 50, 100 and 200 corners fracture takes equally long.
 constexpr size_t s_maxCorners = 200;
 constexpr uint32_t s_none = UINT32_MAX;
-constexpr double s_flat = 1e-6;   ///< min height of a triangle by its length: pieces may be of single precision
-constexpr size_t s_maxStarts = 4; ///< of searches for a triangulation without flat triangles
+constexpr double s_flat = 1e-6;         ///< min height of a triangle by its length: pieces may be of single precision
+constexpr double s_spikeHeight = 1e-12; ///< in units of about the mesh's size: what rounding makes of no height
+constexpr size_t s_maxStarts = 4;       ///< of searches for a triangulation without flat triangles
 
 /// A single loop, projected along the normal.
 class Outline
@@ -250,9 +251,39 @@ void Tesselate(qcFacetedMesh* mesh, const qcClipPoint& normal, uint32_t number, 
         AddTriangle(mesh, {face.corners[i], face.corners[i + 1], face.corners[i + 2]}, number);
 }
 
-/// Closes the edges that the face's triangles, from `first` on, leave open, with fans. They may be degenerate or
-/// overlap: only closedness and the signed volume matter. This happens to loops without area, or that cross.
-void AddFans(qcFacetedMesh* mesh, size_t first, uint32_t face, const qcClipLoops& loops, qcClipScratch* scratch)
+/// The square of the length of twice a triangle's vector area.
+double SquaredArea(const qcFacetedMesh& mesh, uint32_t a, uint32_t b, uint32_t c)
+{
+    const qcClipPoint cross =
+        qcCrossOf(qcMinus(mesh.points[b], mesh.points[a]), qcMinus(mesh.points[c], mesh.points[a]));
+    return qcDotOf(cross, cross);
+}
+
+/// Fills a loop, whatever its shape, the corner with the smallest triangle first: the two sides of a loop without area
+/// meet in triangles without area. A fan would have large ones back to back. O(points * points).
+void FillLoop(qcFacetedMesh* mesh, std::vector<uint32_t> loop, uint32_t face)
+{
+    std::vector<double> areas(loop.size());
+    auto at = [&](size_t i) { return loop[i % loop.size()]; };
+    auto measure = [&](size_t i)
+    { areas[i % loop.size()] = SquaredArea(*mesh, at(i + loop.size() - 1), at(i), at(i + 1)); };
+    for (size_t i = 0; i < loop.size(); i++)
+        measure(i);
+    while (loop.size() >= 3)
+    {
+        const auto smallest = std::min_element(areas.begin(), areas.end());
+        const size_t i = size_t(smallest - areas.begin());
+        AddTriangle(mesh, {at(i + loop.size() - 1), at(i), at(i + 1)}, face);
+        areas.erase(smallest);
+        loop.erase(loop.begin() + std::ptrdiff_t(i));
+        measure(i + loop.size() - 1);
+        measure(i);
+    }
+}
+
+/// Closes the edges that the face's triangles, from `first` on, leave open. What does so may overlap: closedness and
+/// the signed volume matter most. This happens to loops without area, or that cross.
+void FillOpenLoops(qcFacetedMesh* mesh, size_t first, uint32_t face, const qcClipLoops& loops, qcClipScratch* scratch)
 {
     scratch->edges.Clear(loops.points.size());
     for (size_t loop = 0; loop < loops.ends.size(); loop++)
@@ -263,8 +294,10 @@ void AddFans(qcFacetedMesh* mesh, size_t first, uint32_t face, const qcClipLoops
     scratch->edges.FindLoops(true, &scratch->openLoops);
     const qcClipLoops& open = scratch->openLoops;
     for (size_t loop = 0; loop < open.ends.size(); loop++)
-        for (size_t begin = open.Begin(loop), i = begin + 2; i < open.ends[loop]; i++)
-            AddTriangle(mesh, {open.points[begin], open.points[i - 1], open.points[i]}, face);
+        FillLoop(mesh,
+                 {open.points.begin() + std::ptrdiff_t(open.Begin(loop)),
+                  open.points.begin() + std::ptrdiff_t(open.ends[loop])},
+                 face);
 }
 
 //  ---- loops of edges --------------------------------------------------------------------------------
@@ -310,6 +343,50 @@ void DropBends(const std::vector<uint32_t>& edgeCount, qcClipLoops* loops)
     loops->ends.resize(keptLoops);
 }
 
+/// True if a loop turns back along itself at b.
+bool IsSpike(const qcClipPoint& a, const qcClipPoint& b, const qcClipPoint& c)
+{
+    const qcClipPoint u = qcMinus(a, b), v = qcMinus(c, b), cross = qcCrossOf(u, v);
+    const double length2 = std::max(qcDotOf(u, u), qcDotOf(v, v));
+    return qcDotOf(u, v) > 0 && qcDotOf(cross, cross) <= s_spikeHeight * s_spikeHeight * length2;
+}
+
+/// Cuts off spikes, with a flat triangle each. The tesselator, which cannot tell their two sides from each other, may
+/// leave out corners next to them. A loop may lose all points. False: there are none.
+bool CutSpikes(qcFacetedMesh* mesh, uint32_t face, qcClipLoops* loops)
+{
+    const size_t before = loops->points.size();
+    qcClipLoops kept;
+    for (size_t loop = 0; loop < loops->ends.size(); loop++)
+    {
+        std::vector<uint32_t> points(loops->points.begin() + std::ptrdiff_t(loops->Begin(loop)),
+                                     loops->points.begin() + std::ptrdiff_t(loops->ends[loop]));
+        for (size_t i = 0, passed = 0; passed < points.size() && points.size() >= 3;)
+        {
+            const size_t count = points.size();
+            const uint32_t a = points[(i + count - 1) % count], b = points[i % count], c = points[(i + 1) % count];
+            if (!IsSpike(mesh->points[a], mesh->points[b], mesh->points[c]))
+            {
+                i++;
+                passed++;
+                continue;
+            }
+            AddTriangle(mesh, {a, b, c}, face);
+            points.erase(points.begin() + std::ptrdiff_t(i % count));
+            // The corner before it may be the next tip.
+            i = (i + count - 1) % count;
+            i = i < points.size() ? i : 0;
+            passed = 0;
+        }
+        if (points.size() < 3)
+            continue;
+        kept.points.insert(kept.points.end(), points.begin(), points.end());
+        kept.ends.push_back(kept.points.size());
+    }
+    *loops = std::move(kept);
+    return loops->points.size() != before;
+}
+
 /// The normal of the loops, with twice their area as its length.
 qcClipPoint NormalOf(const qcFacetedMesh& mesh, const qcClipLoops& loops)
 {
@@ -349,10 +426,14 @@ void qcClipFace_Add(qcFacetedMesh* mesh, uint32_t face, const qcHalfEdge* halfEd
         return;
     }
     qcClipPoint normal = NormalOf(*mesh, loops);
-    bool isSimple = loops.ends.size() == 1 && loops.points.size() <= s_maxCorners;
-    if (isSimple && Outline(*mesh, normal, loops, scratch).Triangulate(face, &mesh->triangles))
+    auto hasOutline = [&]
+    {
+        return loops.ends.size() == 1 && loops.points.size() <= s_maxCorners &&
+               Outline(*mesh, normal, loops, scratch).Triangulate(face, &mesh->triangles);
+    };
+    if (hasOutline() || (CutSpikes(mesh, face, &loops) && hasOutline()))
         return;
     size_t first = mesh->triangles.size();
     Tesselate(mesh, normal, face, loops);
-    AddFans(mesh, first, face, loops, scratch);
+    FillOpenLoops(mesh, first, face, loops, scratch);
 }

@@ -97,8 +97,9 @@ QC_API qcFracture qcFracture_Split(const qcFractureDef& def);
 
 /// `count` sites in a box, the same for the same seed. With an impact point they are denser near it, or near the point
 /// of the box next to it. No two are equal, unless the box has too few positions. Give `lower` <= `upper` in each
-/// axis: otherwise the impact counts as at `upper`. Corners that are not finite give sites that are not finite, which
-/// qcFracture_Split refuses. O(count log count). Thread-safety: any thread, several at once.
+/// axis: otherwise the impact counts as at `upper`. Corners that are not finite, or too far apart for their difference
+/// to be, give sites that are not finite, which qcFracture_Split refuses. O(count log count), or O(count * count * log
+/// count) if nearly all positions near the impact are sites. Thread-safety: any thread, several at once.
 QC_API std::vector<btVector3> qcScatterSites(const btVector3& lower, const btVector3& upper, uint32_t count,
                                              uint64_t seed, const btVector3* impact = nullptr);
 
@@ -155,10 +156,10 @@ QC_API std::vector<btVector3> qcWeightsOfPiece(const qcFractureDef& mesh, const 
 /// different files.
 /// @{
 
-/// Writes a fracture, with its bonds, to a new file (plugin/docs/piece_files.md), in place of an old one.
-/// qc_statusBadInput: the path is null, or the fracture is not one that qcFracture_Split or qcFracture_Load returns
-/// without an error; no file is written. qc_statusFile: the file can't be written. `message` (may be null) then names
-/// the place. O(size).
+/// Writes a fracture, with its bonds, to a new file (plugin/docs/piece_files.md), in place of an old one when it is
+/// complete: until then, and on failure, the old one stays. qc_statusBadInput: the path is null, or the fracture is not
+/// one that qcFracture_Split or qcFracture_Load returns without an error; no file is written. qc_statusFile: the file
+/// can't be written. `message` (may be null) then names the place. O(size).
 QC_API qcStatus qcFracture_Save(const qcFracture& fracture, const char* path, std::string* message = nullptr);
 
 /// Reads a file of qcFracture_Save, bit by bit what was saved; between float and double the numbers are rounded.

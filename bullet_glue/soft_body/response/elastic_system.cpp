@@ -107,6 +107,7 @@ int qcElasticSystem::AddRigid(btRigidBody* body)
 void qcElasticSystem::FindNodes(const std::vector<qcNodeElasticity::LoadedBody>& bodies)
 {
     m_nodes.assign(size_t(m_elasticity->NodeCount()), nullptr);
+    m_masses.assign(m_nodes.size(), 0);
     m_bodyOfNode.assign(m_nodes.size(), -1);
     m_bodyInverses.resize(bodies.size());
     m_isFree.assign(bodies.size(), true);
@@ -116,7 +117,10 @@ void qcElasticSystem::FindNodes(const std::vector<qcNodeElasticity::LoadedBody>&
             const auto number = size_t(m_elasticity->FirstNodeOf(body) + i);
             m_bodyOfNode[number] = int(body);
             if (bodies[body].soft->InverseMass(uint32_t(i)) > 0)
+            {
                 m_nodes[number] = &bodies[body].soft->body->m_nodes[i];
+                m_masses[number] = 1 / m_nodes[number]->m_im;
+            }
             else
                 m_isFree[body] = false;
         }
@@ -130,7 +134,7 @@ void qcElasticSystem::FindInertia()
     {
         isNode[i] = m_nodes[i] != nullptr;
         if (isNode[i])
-            m_inertia[i] = Scaled(1 / m_nodes[i]->m_im);
+            m_inertia[i] = Scaled(m_masses[i]);
     }
     m_elasticity->AddDiagonal(isNode, &m_inertia);
 }
@@ -175,7 +179,7 @@ void qcElasticSystem::RemoveMomentum(Vector* x) const
     {
         for (size_t i = 0; i < m_nodes.size(); i++)
             if (m_nodes[i] != nullptr && m_groups[size_t(m_bodyOfNode[i])] >= 0)
-                function(m_momenta[size_t(m_groups[size_t(m_bodyOfNode[i])])], 1 / m_nodes[i]->m_im, (*x)[int(i)]);
+                function(m_momenta[size_t(m_groups[size_t(m_bodyOfNode[i])])], m_masses[i], (*x)[int(i)]);
         for (size_t i = 0; i < m_rigids.size(); i++)
             if (m_groups[bodyCount + i] >= 0)
                 function(m_momenta[size_t(m_groups[bodyCount + i])], 1 / m_rigids[i].body->getInvMass(),
@@ -228,7 +232,7 @@ void qcElasticSystem::MultiplyNodes(const Vector& x, Vector* result) const
 {
     Vector& b = *result;
     for (size_t i = 0; i < m_nodes.size(); i++)
-        b[int(i)] = m_nodes[i] != nullptr ? x[int(i)] / m_nodes[i]->m_im : btVector3(0, 0, 0);
+        b[int(i)] = m_masses[i] * x[int(i)];
     m_elasticity->AddForces(x, result);
     for (size_t i = 0; i < m_nodes.size(); i++)
         if (m_nodes[i] == nullptr)
@@ -261,7 +265,7 @@ void qcElasticSystem::FindBlocks()
         if (m_nodes[i] == nullptr)
             continue;
         m_inverses[i] = m_inertia[i];
-        m_bodyInverses[size_t(m_bodyOfNode[i])] += Scaled(1 / m_nodes[i]->m_im);
+        m_bodyInverses[size_t(m_bodyOfNode[i])] += Scaled(m_masses[i]);
     }
     for (int i = 0; i < int(m_rigids.size()); i++)
     {
@@ -364,11 +368,8 @@ void qcElasticSystem::SolveClosed(int round)
         if (!(curvature > 0))
             return;
         const auto step = btScalar(square / curvature);
-        for (int i = 0; i < m_x.size(); i++)
-        {
-            m_x[i] += step * m_direction[i];
-            m_residual[i] -= step * m_image[i];
-        }
+        qcAddScaled(step, m_direction, &m_x);
+        qcAddScaled(-step, m_image, &m_residual);
         Precondition(m_residual, &m_preconditioned);
         RemoveMomentum(&m_preconditioned);
         const double next = Dot(m_residual, m_preconditioned);

@@ -87,6 +87,7 @@ class qcElasticSystem
     qcNodeElasticity* m_elasticity = nullptr;
     std::vector<qcElasticSpring>* m_springs = nullptr;
     std::vector<btSoftBody::Node*> m_nodes; ///< by number; null: it doesn't move
+    std::vector<btScalar> m_masses;         ///< by number; zero: the node doesn't move
     std::vector<int> m_bodyOfNode;          ///< by number
     std::vector<bool> m_isFree;             ///< by soft body: none of its nodes is pinned
     std::vector<Rigid> m_rigids;

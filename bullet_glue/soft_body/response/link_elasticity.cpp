@@ -17,16 +17,18 @@ constexpr btScalar s_strain = btScalar(0.1);
 // The cosine between the weight of a body that lies on a sheet and the normal of a contact, at least.
 constexpr btScalar s_downwards = btScalar(0.3);
 
+/// What all sweeps leave of a stretch of one link, as a share.
+btScalar LeftOfStretch(const btSoftBody& body, const btSoftBody::Material& material)
+{
+    return btPow(btClamped(1 - material.m_kLST, btScalar(0), btScalar(1)), btScalar(body.m_cfg.piterations));
+}
+
 /// The stiffness of a link times the square of the step: that of the spring which gives its two nodes the displacement
-/// of all sweeps, if only they moved. Zero: it is not worth a spring.
-btScalar LinkStiffness(const btSoftBody& body, const btSoftBody::Link& link, btScalar largest)
+/// of all sweeps, if only they moved. `left`: of its stretch.
+btScalar LinkStiffness(const btSoftBody::Link& link, btScalar left, btScalar largest)
 {
     const btScalar inverse = link.m_n[0]->m_im + link.m_n[1]->m_im;
     if (!(link.m_c0 > 0) || !(inverse > 0))
-        return 0;
-    const btScalar left =
-        btPow(btClamped(1 - link.m_material->m_kLST, btScalar(0), btScalar(1)), btScalar(body.m_cfg.piterations));
-    if (left > s_mostLeft)
         return 0;
     return left * largest * inverse < 1 - left ? largest : (1 / left - 1) / inverse;
 }
@@ -67,12 +69,21 @@ bool qcLinkElasticity::Begin(const std::vector<LoadedBody>& bodies, btScalar tim
         for (int i = 0; i < body.m_nodes.size(); i++)
             if (body.m_nodes[i].m_im > 0)
                 mass += 1 / body.m_nodes[i].m_im;
+        const btSoftBody::Material* material = nullptr;
+        btScalar left = 1;
         for (int i = 0; i < body.m_links.size(); i++)
         {
             const btSoftBody::Link& link = body.m_links[i];
+            if (material != link.m_material)
+            {
+                material = link.m_material;
+                left = LeftOfStretch(body, *material);
+            }
+            if (left > s_mostLeft)
+                continue;
             const btVector3 along = link.m_n[1]->m_x - link.m_n[0]->m_x;
             const btScalar length2 = along.length2();
-            const btScalar stiffness = LinkStiffness(body, link, s_maxStiffness * mass);
+            const btScalar stiffness = LinkStiffness(link, left, s_maxStiffness * mass);
             if (stiffness > 0 && length2 > 0)
                 m_springs.push_back(
                     {{first + int(loaded.soft->IndexOf(link.m_n[0])), first + int(loaded.soft->IndexOf(link.m_n[1]))},
@@ -98,13 +109,23 @@ void qcLinkElasticity::Update(const Vector& x)
 
 void qcLinkElasticity::AddForces(const Vector& x, Vector* to) const
 {
+    // All four scalars of a vector at once: the compiler makes vector instructions of that.
     for (const Spring& spring : m_springs)
     {
-        const btVector3 motion = x[spring.nodes[1]] - x[spring.nodes[0]];
-        const btVector3 force = spring.tension * motion +
-                                spring.direction * ((spring.stiffness - spring.tension) * spring.direction.dot(motion));
-        (*to)[spring.nodes[0]] -= force;
-        (*to)[spring.nodes[1]] += force;
+        const btScalar *const x0 = x[spring.nodes[0]], *const x1 = x[spring.nodes[1]], *const d = spring.direction;
+        btScalar motion[4], product[4], force[4];
+        for (int i = 0; i < 4; i++)
+            motion[i] = x1[i] - x0[i];
+        for (int i = 0; i < 4; i++)
+            product[i] = d[i] * motion[i];
+        const btScalar along = (spring.stiffness - spring.tension) * (product[0] + product[1] + product[2]);
+        for (int i = 0; i < 4; i++)
+            force[i] = spring.tension * motion[i] + d[i] * along;
+        btScalar *const to0 = (*to)[spring.nodes[0]], *const to1 = (*to)[spring.nodes[1]];
+        for (int i = 0; i < 4; i++)
+            to0[i] -= force[i];
+        for (int i = 0; i < 4; i++)
+            to1[i] += force[i];
     }
 }
 

@@ -63,4 +63,16 @@ inline void qcSetZero(qcNodeElasticity::Vector* x)
         (*x)[i].setZero();
 }
 
+/// Adds a multiple of x to y, which is as long. Over scalars, the fourth of each vector too: such loops become vector
+/// instructions.
+inline void qcAddScaled(btScalar factor, const qcNodeElasticity::Vector& x, qcNodeElasticity::Vector* y)
+{
+    if (x.size() == 0)
+        return;
+    const btScalar* from = x[0];
+    btScalar* to = (*y)[0];
+    for (int i = 0; i < 4 * x.size(); i++)
+        to[i] += factor * from[i];
+}
+
 #endif

@@ -249,6 +249,15 @@ START_TEST(sites_around_an_impact_far_from_zero_are_different)
             different.insert({site.x(), site.y(), site.z()});
         ck_assert_uint_eq(different.size(), 3000);
     }
+    // All positions of a small box: each once.
+    btVector3 lower(1e6, 1e6, 1e6), upper = lower;
+    for (int axis = 0; axis < 3; axis++)
+        for (int i = 0; i < 8; i++)
+            upper[axis] = std::nextafter(upper[axis], 2 * upper[axis]);
+    std::set<std::array<btScalar, 3>> all;
+    for (const btVector3& site : qcScatterSites(lower, upper, 9 * 9 * 9, 5, &lower))
+        all.insert({site.x(), site.y(), site.z()});
+    ck_assert_uint_eq(all.size(), 9 * 9 * 9);
     const btVector3 point(1, 2, 3);
     ck_assert_uint_eq(qcScatterSites(point, point, 3, 1, nullptr).size(), 3); // there is no other place
 }

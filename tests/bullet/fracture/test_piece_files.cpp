@@ -5,8 +5,11 @@
 #include "recording/format.h"
 
 #include <cstdio>
+#include <csignal>
 #include <cstring>
 #include <limits>
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 // After the standard headers: check defines a macro named fail.
@@ -259,6 +262,38 @@ START_TEST(no_path_is_refused)
 }
 END_TEST
 
+START_TEST(an_old_file_stays_until_the_new_one_is_complete)
+{
+    const qcFracture few = SomePieces(3), many = SomePieces(40);
+    std::string message;
+    ck_assert_int_eq(qcFracture_Save(few, s_path.c_str()), qc_statusOk);
+    const std::vector<unsigned char> old = ReadBytes();
+    const size_t entries = CountEntries();
+    rlimit limit, before;
+    ck_assert_int_eq(getrlimit(RLIMIT_FSIZE, &before), 0);
+    limit = before;
+    limit.rlim_cur = old.size() / 2;
+    signal(SIGXFSZ, SIG_IGN);
+    ck_assert_int_eq(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    const qcStatus status = qcFracture_Save(many, s_path.c_str(), &message);
+    ck_assert_int_eq(setrlimit(RLIMIT_FSIZE, &before), 0);
+    ck_assert_int_eq(status, qc_statusFile);
+    ck_assert_msg(message.find("can't be written") != std::string::npos, "%s", message.c_str());
+    ck_assert(ReadBytes() == old);
+    ck_assert_uint_eq(CountEntries(), entries);
+    // By a link the file behind it is replaced.
+    ck_assert_int_eq(symlink(s_path.c_str(), "link.qcp"), 0);
+    ck_assert_int_eq(chmod(s_path.c_str(), 0640), 0);
+    ck_assert_int_eq(qcFracture_Save(many, "link.qcp"), qc_statusOk);
+    CheckSame(qcFracture_Load(s_path.c_str()), many);
+    struct stat link, file;
+    ck_assert(lstat("link.qcp", &link) == 0 && S_ISLNK(link.st_mode));
+    ck_assert(stat(s_path.c_str(), &file) == 0 && (file.st_mode & 0777) == 0640);
+    std::remove("link.qcp");
+    std::remove(s_path.c_str());
+}
+END_TEST
+
 START_TEST(pieces_that_were_changed_wrongly_are_not_saved)
 {
     qcFracture fracture = SomePieces(3);
@@ -288,6 +323,7 @@ START_TEST(pieces_that_were_changed_wrongly_are_not_saved)
     wrong.bonds[0].pieceB = 99;
     refuse(wrong, "bond 0: it joins pieces ");
     refuse(qcFracture_Split(qcFractureDef()), "its status is bad input");
+    refuse(qcFracture(), "it has no sites");
     ck_assert_int_eq(qcFracture_Save(fracture, "/nowhere/at/all.qcp", &message), qc_statusFile);
     ck_assert_str_eq(message.c_str(),
                      "qcFracture_Save: /nowhere/at/all.qcp can't be created: No such file or directory");
@@ -305,6 +341,7 @@ QC_TEST_MAIN()
                                   contents_are_checked_although_their_hashes_are_right,
                                   messages_name_the_place,
                                   no_path_is_refused,
+                                  an_old_file_stays_until_the_new_one_is_complete,
                                   pieces_that_were_changed_wrongly_are_not_saved};
     TCase* testCase = qcMakeCase("piece_files");
     tcase_add_checked_fixture(testCase, EnterFolder, LeaveFolder);
