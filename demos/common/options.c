@@ -3,6 +3,7 @@
 #include "common/options.h"
 
 #include "common/exit_status.h"
+#include "common/output_file.h"
 
 #include <errno.h>
 #include <math.h>
@@ -342,4 +343,16 @@ void qcCommandLine_Parse(qcCommandLine* commandLine, int argumentCount, char** a
     qcCommandLine_OfferVersion();
     Parse parse = {.line = commandLine};
     argp_parse(&parser, argumentCount, arguments, 0, NULL, &parse);
+}
+
+void qcCommandLine_KeepFiles(const qcCommandLine* commandLine, const char* program, const char* option,
+                             const char* output)
+{
+    for (uint32_t i = 0; output != NULL && i < commandLine->pathCount; ++i)
+        if (qcOutput_IsSame(output, commandLine->paths[i]))
+        {
+            fprintf(stderr, "%s: %s: '%s' would replace '%s', which is read; see --help\n", program, option, output,
+                    commandLine->paths[i]);
+            exit(qc_exitUsage);
+        }
 }

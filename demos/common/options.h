@@ -105,6 +105,11 @@ void qcCommandLine_OfferVersion(void);
 /// Ends the program after --help, after --version and on a mistake.
 void qcCommandLine_Parse(qcCommandLine* commandLine, int argumentCount, char** arguments);
 
+/// Ends the program if `output` (null: there is none), the file that `option` ("--out") names, is one of the files that
+/// are read.
+void qcCommandLine_KeepFiles(const qcCommandLine* commandLine, const char* program, const char* option,
+                             const char* output);
+
 /// The readers, for a qcTakeText. `option` ("--views") is named in messages.
 uint32_t qcOption_ReadNumber(const struct argp_state* state, const char* option, const char* text, uint32_t lowest,
                              uint32_t highest);

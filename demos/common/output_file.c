@@ -205,6 +205,42 @@ bool qcOutput_Commit(qcOutput* output, qcMessage* message)
     return written;
 }
 
+bool qcOutput_IsSame(const char* path, const char* other)
+{
+    struct stat a, b;
+    if (stat(path, &a) == 0 && stat(other, &b) == 0)
+        return S_ISREG(a.st_mode) && a.st_dev == b.st_dev && a.st_ino == b.st_ino;
+    // What is not there yet: by its folder and its name.
+    char* ends[2] = {FollowLinks(path), FollowLinks(other)};
+    bool isSame = ends[0] != NULL && ends[1] != NULL;
+    const char* names[2] = {"", ""};
+    for (int i = 0; i < 2 && isSame; ++i)
+    {
+        char* slash = strrchr(ends[i], '/');
+        names[i] = slash != NULL ? slash + 1 : ends[i];
+    }
+    struct stat folders[2];
+    isSame = isSame && strcmp(names[0], names[1]) == 0;
+    for (int i = 0; i < 2 && isSame; ++i)
+    {
+        char* folder = strndup(ends[i], (size_t)(names[i] - ends[i]));
+        isSame = folder != NULL && stat(folder[0] != 0 ? folder : ".", &folders[i]) == 0;
+        free(folder);
+    }
+    isSame = isSame && folders[0].st_dev == folders[1].st_dev && folders[0].st_ino == folders[1].st_ino;
+    free(ends[0]);
+    free(ends[1]);
+    return isSame;
+}
+
+bool qcOutput_FlushStandard(qcMessage* message)
+{
+    errno = 0;
+    if (fflush(stdout) != 0 || ferror(stdout))
+        return qcMessage_Fail(message, "standard output: %s", errno != 0 ? strerror(errno) : "not written");
+    return true;
+}
+
 void qcOutput_Abort(qcOutput* output)
 {
     Close(output);

@@ -2,6 +2,7 @@
 #include "pairs/pairs.h"
 
 #include "common/options.h"
+#include "common/output_file.h"
 
 #include <string.h>
 #include <strings.h>
@@ -50,7 +51,7 @@ static void CheckOut(const struct argp_state* state, qcPairsOptions* options)
     // "--out a.ply b.ply" lacks the name of the output and would replace the mesh.
     if (options->out != NULL && (HasEnding(options->out, ".ply") || HasEnding(options->out, ".obj")))
         argp_error(state, "--out: '%s' is named as a mesh; it would be overwritten with pairs", options->out);
-    if (options->out != NULL && options->picture != NULL && strcmp(options->out, options->picture) == 0)
+    if (options->out != NULL && options->picture != NULL && qcOutput_IsSame(options->out, options->picture))
         argp_error(state, "--out and --picture name the same file");
     if (options->detect.proximities && options->out == NULL && !options->pairsOnOutput)
         argp_error(state, "--proximities: they are written with the pairs; name a file with --out");
@@ -140,4 +141,6 @@ void qcPairs_ReadOptions(int argumentCount, char** arguments, qcPairsOptions* op
     qcCommandLine_Parse(&line, argumentCount, arguments);
     options->paths = line.paths;
     options->pathCount = line.pathCount;
+    qcCommandLine_KeepFiles(&line, arguments[0], "--out", options->out);
+    qcCommandLine_KeepFiles(&line, arguments[0], "--picture", options->picture);
 }

@@ -4,10 +4,11 @@
 
 #include "common/output_file.h"
 
-#include <errno.h>
+#include <iconv.h>
 #include <inttypes.h>
 #include <json-c/json.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum
@@ -37,20 +38,12 @@ static void PrintPairs(const qcPairsRun* run, FILE* stream)
     }
 }
 
-static bool FlushOutput(qcMessage* message)
-{
-    errno = 0;
-    if (fflush(stdout) != 0 || ferror(stdout))
-        return qcMessage_Fail(message, "standard output: %s", errno != 0 ? strerror(errno) : "not written");
-    return true;
-}
-
 bool qcPairs_WritePairs(const qcPairsRun* run, qcMessage* message)
 {
     if (run->options->pairsOnOutput)
     {
         PrintPairs(run, stdout);
-        return FlushOutput(message);
+        return qcOutput_FlushStandard(message);
     }
     qcOutput output;
     if (!qcOutput_Open(run->options->out, &output, message))
@@ -133,6 +126,35 @@ static void AddText(json_object* object, const char* name, const char* text)
     json_object_object_add(object, name, text != NULL ? json_object_new_string(text) : NULL);
 }
 
+/// Names of files may hold any bytes, JSON only UTF-8: each byte that is none becomes U+FFFD.
+static void AddPath(json_object* object, const char* name, const char* path)
+{
+    static const char replacement[] = "\xef\xbf\xbd";
+    const size_t length = strlen(path);
+    iconv_t converter = iconv_open("UTF-8", "UTF-8");
+    char* text = malloc(3 * length + 1);
+    if (text == NULL || converter == (iconv_t)-1)
+        AddText(object, name, NULL);
+    else
+    {
+        char *from = (char*)path, *to = text;
+        size_t fromLeft = length, toLeft = 3 * length;
+        while (iconv(converter, &from, &fromLeft, &to, &toLeft) == (size_t)-1 && fromLeft > 0)
+        {
+            memcpy(to, replacement, 3);
+            to += 3;
+            toLeft -= 3;
+            ++from;
+            --fromLeft;
+        }
+        *to = 0;
+        AddText(object, name, text);
+    }
+    free(text);
+    if (converter != (iconv_t)-1)
+        iconv_close(converter);
+}
+
 static void AddFlag(json_object* object, const char* name, bool value)
 {
     json_object_object_add(object, name, json_object_new_boolean(value));
@@ -159,7 +181,7 @@ static json_object* DescribeMeshes(const qcPairsRun* run)
     for (uint32_t i = 0; i < run->options->pathCount; ++i)
     {
         json_object* mesh = json_object_new_object();
-        AddText(mesh, "file", run->options->paths[i]);
+        AddPath(mesh, "file", run->options->paths[i]);
         AddNumber(mesh, "vertices", run->meshes[i].vertexCount);
         AddNumber(mesh, "triangles", run->meshes[i].triangleCount);
         AddText(mesh, "positions", run->meshes[i].isDouble ? "double" : "float");
@@ -283,5 +305,5 @@ bool qcPairs_WriteReport(const qcPairsRun* run, qcMessage* message)
     }
     else
         PrintText(run, run->options->pairsOnOutput ? stderr : stdout);
-    return FlushOutput(message);
+    return qcOutput_FlushStandard(message);
 }

@@ -4,6 +4,7 @@
 #include "common/options.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static const qcWord s_methods[] = {{"recorded", qc_recordedMethod}, {"brute", qc_methodBrute},
                                    {"sweep", qc_methodSweep},       {"layers", qc_methodLayers},
@@ -16,6 +17,10 @@ static void CheckTogether(const struct argp_state* state, void* context)
     options->method = qcOption_ReadWord(state, "--method", options->methodName, s_methods);
     if (options->deviceName != NULL)
         options->device = (qcDeviceKind)qcOption_ReadWord(state, "--device", options->deviceName, qcDeviceWords);
+    if (options->csv != NULL && options->list)
+        argp_error(state, "--csv: --list replays nothing");
+    if (options->csv != NULL && strcmp(options->csv, "-") == 0)
+        argp_error(state, "--csv: the report has standard output; name a file");
     if (options->from > options->to)
         argp_error(state, "--from: %u lies behind --to, %u", options->from, options->to);
 }
@@ -63,4 +68,5 @@ void qcReplay_ReadOptions(int argumentCount, char** arguments, qcReplayOptions* 
         exit(qc_exitUsage);
     }
     options->path = line.paths[0];
+    qcCommandLine_KeepFiles(&line, arguments[0], "--csv", options->csv);
 }

@@ -208,6 +208,16 @@ START_TEST(mistakes_and_damage_are_named)
     ck_assert_int_eq(Run(REPLAY " b.qcr"), 3);
     ck_assert_ptr_nonnull(strstr(GetErrors(), "qc-replay: b.qcr can't be opened: No such file or directory"));
     ck_assert_int_eq(Run(REPLAY " --csv no/folder/a.csv a.qcr"), 1);
+    ck_assert_int_eq(Run("ln -s a.qcr link; " REPLAY " --csv link a.qcr"), 2);
+    ck_assert_ptr_nonnull(strstr(GetErrors(), "--csv: 'link' would replace 'a.qcr', which is read"));
+    ck_assert_int_eq(Run(REPLAY " --csv - a.qcr"), 2);
+    ck_assert_int_eq(Run(REPLAY " --list --csv a.csv a.qcr"), 2);
+    static const char* const options[] = {"", "--list", "--each"};
+    for (size_t i = 0; i < sizeof options / sizeof options[0]; i++)
+    {
+        ck_assert_int_eq(Run(REPLAY " %s a.qcr >/dev/full", options[i]), 1);
+        ck_assert_ptr_nonnull(strstr(GetErrors(), "standard output: No space left on device"));
+    }
     ck_assert_int_eq(Run("head -c -200 a.qcr >b.qcr; " REPLAY " b.qcr"), 3);
     ck_assert_ptr_nonnull(strstr(GetErrors(), "b.qcr: operation 8 at byte"));
     ck_assert_ptr_nonnull(strstr(GetOutput(), "3 results are the recorded ones, 0 differ"));

@@ -270,6 +270,36 @@ START_TEST(a_refusal_gives_the_reason_and_leaves_the_old_output)
 }
 END_TEST
 
+START_TEST(no_mesh_and_no_other_output_is_replaced)
+{
+    static const char* const arguments[] = {"--out link 0.ply",      "--out link 1.ply 0.ply",
+                                            "--out ./0 0",           "--picture 0.png 0.png",
+                                            "--picture l.png 0.png", "--picture m.png --out ./m.png 0.ply"};
+    ck_assert_int_eq(Run("ln -s 0.ply link; ln 0.ply 0; cp 0.ply 0.png; ln -s 0.png l.png"), 0);
+    const size_t entries = CountEntries();
+    for (size_t i = 0; i < sizeof arguments / sizeof arguments[0]; ++i)
+    {
+        ck_assert_msg(Run("%s %s", PAIRS, arguments[i]) == 2, "%s", arguments[i]);
+        ck_assert_ptr_nonnull(strstr(GetErrors(), "--help"));
+    }
+    ck_assert_uint_eq(CountEntries(), entries);
+    ck_assert_int_eq(Run("cmp 0.ply 0.png && cmp 0.ply link"), 0);
+    ck_assert_int_eq(Run("%s --out /dev/null --picture a.png 0.ply", PAIRS), 0);
+}
+END_TEST
+
+START_TEST(names_that_are_no_utf_8_are_valid_json)
+{
+    ck_assert_int_eq(Run("cp 0.ply \"$(printf 'a\\377\\303\\251b.ply')\""), 0);
+    ck_assert_int_eq(Run("%s --json a*b.ply", PAIRS), 0);
+    json_object* object = Parse(GetOutput());
+    json_object* mesh = json_object_array_get_idx(Get(object, "meshes"), 0);
+    ck_assert_str_eq(json_object_get_string(Get(mesh, "file")), "a\xef\xbf\xbd\xc3\xa9"
+                                                                "b.ply");
+    json_object_put(object);
+}
+END_TEST
+
 START_TEST(a_device_that_does_not_work_here_ends_with_4)
 {
     // Without a vendor's library EGL has no display.
@@ -342,6 +372,8 @@ int main(void)
     tcase_add_loop_test(tests, a_refusal_gives_the_reason_and_leaves_the_old_output, 0,
                         sizeof s_refusals / sizeof s_refusals[0]);
     tcase_add_test(tests, a_device_that_does_not_work_here_ends_with_4);
+    tcase_add_test(tests, no_mesh_and_no_other_output_is_replaced);
+    tcase_add_test(tests, names_that_are_no_utf_8_are_valid_json);
     tcase_add_test(tests, a_pipe_is_written_and_stays_a_pipe);
     tcase_add_test(tests, pairs_go_to_standard_output_and_the_report_to_standard_error);
     tcase_add_test(tests, help_names_every_option_and_exit_status);
