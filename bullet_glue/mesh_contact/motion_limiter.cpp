@@ -435,7 +435,7 @@ void qcMotionLimiter::FindPairs(bool isFirst)
 {
     for (qcSweptObject* swept : m_objects.Get())
         swept->isUnmoved = !isFirst && qcAreSame(swept->end, swept->certified);
-    m_objects.FindPairs(&m_pairs);
+    m_objects.FindPairs(m_scene.Get(), &m_pairs);
     if (!isFirst)
         std::copy_if(m_unprovenPairs.begin(), m_unprovenPairs.end(), std::back_inserter(m_pairs),
                      [](const qcSweptPair& pair) { return pair.first->isUnmoved && pair.second->isUnmoved; });

@@ -57,6 +57,8 @@ struct qcSweptObject
     /// Of a body, when contact was searched: without the step's forces. Empty: nothing had contact.
     std::optional<qcRigidMotion> before;
     bool moves = false;                   ///< its end is not its start
+    bool isPaired = false;                ///< it was in a pair in this step
+    bool rests = false;                   ///< see qcRestingMeshes
     const qcBatchObject* known = nullptr; ///< the object in the scene of contact, or null
     bool isLookedUp = false;              ///< `known` is of this step
     btTransform start, target; ///< before and after the step; the target is Bullet's, or where planes have pushed it

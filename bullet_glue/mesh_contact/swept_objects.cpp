@@ -15,6 +15,7 @@
 #include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
+#include <functional>
 
 namespace
 {
@@ -119,7 +120,7 @@ qcSweptObject* qcSweptObjects::Add(const btCollisionObject* object)
         entry->number = m_numbers.Take(
             [this](auto add)
             {
-                for (const qcSweptObject* swept : m_sorted)
+                for (const auto& [key, swept] : m_objects)
                     add(swept->number);
             });
         entry->start = entry->next = entry->last = object->getWorldTransform();
@@ -194,14 +195,19 @@ void qcSweptObjects::EndDeformations() const
 
 void qcSweptObjects::RemoveGone(qcScene* scene)
 {
-    auto isGone = [this](const qcSweptObject* swept) { return swept->step != m_step; };
+    auto isGone = [this](const qcSweptObject* swept) { return !swept->rests && swept->step != m_step; };
     for (qcSweptObject* swept : m_sorted)
         if (isGone(swept))
             for (qcSweptMesh& mesh : swept->meshes)
                 mesh.RemoveFrom(scene);
     m_sorted.erase(std::remove_if(m_sorted.begin(), m_sorted.end(), isGone), m_sorted.end());
     for (auto entry = m_objects.begin(); entry != m_objects.end();)
-        entry = isGone(entry->second.get()) ? m_objects.erase(entry) : std::next(entry);
+    {
+        const bool isErased = isGone(entry->second.get());
+        if (isErased)
+            m_resting.Forget(entry->first);
+        entry = isErased ? m_objects.erase(entry) : std::next(entry);
+    }
 }
 
 void qcSweptObjects::FindPlanes()
@@ -376,6 +382,9 @@ bool qcSweptObjects::MissesCores()
     const btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
     auto isMissed = [this](const btCollisionObject* object)
     {
+        // Meshes have none.
+        if (object->getCollisionShape()->isConcave())
+            return false;
         const qcSweptObject* swept = Find(object);
         return (swept == nullptr || swept->cores == nullptr) && qcIsFinite(*object) && TakesCores(object);
     };
@@ -387,7 +396,7 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
 {
     qcSweptObject& swept = *Add(object);
     swept.step = m_step;
-    swept.isHeld = false;
+    swept.isHeld = swept.isPaired = false;
     swept.body = DynamicBody(object);
     const btMultiBodyLinkCollider* asLink = qcAsLink(object);
     swept.owner = asLink != nullptr ? asLink->m_multiBody : nullptr;
@@ -452,6 +461,7 @@ bool qcSweptObjects::ReadObjects(qcScene* scene)
 {
     m_step++;
     m_axes.BeginObjects();
+    m_resting.BeginObjects();
     FindPlanes();
     bool anyMoved = false;
     size_t present = 0;
@@ -461,7 +471,7 @@ bool qcSweptObjects::ReadObjects(qcScene* scene)
     m_movingMeshes.clear();
     m_notFinite = nullptr;
     for (int i = 0; i < objects.size(); i++)
-        if (qcMayHoldMeshes(objects[i]->getCollisionShape()))
+        if (qcMayHoldMeshes(objects[i]->getCollisionShape()) && !m_resting.Rests(objects[i], size_t(i), &m_sorted))
         {
             if (!qcIsFinite(*objects[i]))
             {
@@ -478,6 +488,8 @@ bool qcSweptObjects::ReadObjects(qcScene* scene)
             swept.FindBox();
             m_movingMeshes.push_back(&swept);
         }
+    m_resting.WakeGone(&m_sorted);
+    m_anyOurs = m_anyOurs || m_resting.AnyOurs();
     SortMovingMeshes();
     if (m_anyOurs)
         m_depths.Read(m_settings.world->getDispatcher(), m_timeStep);
@@ -632,11 +644,38 @@ bool qcSweptObjects::Collide(const qcSweptObject& a, const qcSweptObject& b) con
            world->getDispatcher()->needsResponse(a.object, b.object) && !IsLeftOut(a, b);
 }
 
-void qcSweptObjects::FindPairs(std::vector<qcSweptPair>* pairs)
+/// Has static meshes take part that something moves near.
+void qcSweptObjects::WakeNearMoving(qcScene* scene)
+{
+    std::vector<qcSweptObject*> awake;
+    for (const qcSweptObject* swept : m_sorted)
+        if (swept->moves)
+            m_resting.WakeNear(swept->lower, swept->upper, &awake);
+    for (qcSweptObject* swept : awake)
+    {
+        ReadTarget(swept->object, false, scene);
+        swept->isUnmoved = false;
+        swept->FindBox();
+        m_sorted.push_back(swept);
+    }
+}
+
+/// Leaves out static meshes without a pair in this step.
+void qcSweptObjects::LetRest()
+{
+    auto canRest = [](const qcSweptObject* swept) { return !swept->isPaired && qcRestingMeshes::CanRest(*swept); };
+    const auto rested = std::stable_partition(m_sorted.begin(), m_sorted.end(), std::not_fn(canRest));
+    for (auto swept = rested; swept != m_sorted.end(); ++swept)
+        m_resting.Add(*swept);
+    m_sorted.erase(rested, m_sorted.end());
+}
+
+void qcSweptObjects::FindPairs(qcScene* scene, std::vector<qcSweptPair>* pairs)
 {
     pairs->clear();
     for (qcSweptObject* swept : m_sorted)
         swept->FindBox();
+    WakeNearMoving(scene);
     m_byLower = m_sorted;
     std::sort(m_byLower.begin(), m_byLower.end(),
               [](const qcSweptObject* a, const qcSweptObject* b)
@@ -647,7 +686,10 @@ void qcSweptObjects::FindPairs(std::vector<qcSweptPair>* pairs)
             std::swap(a, b);
         if (!(a->isUnmoved && b->isUnmoved) && IsBelow(a->lower, b->upper) && IsBelow(b->lower, a->upper) &&
             Collide(*a, *b))
+        {
+            a->isPaired = b->isPaired = true;
             pairs->emplace_back(a, b);
+        }
     };
     // Objects that move are compared with all that follow them, others with those of these that move.
     std::vector<size_t> moving;
@@ -680,6 +722,7 @@ void qcSweptObjects::RecordEnds()
         swept->wasFinite = true;
         swept->isNew = false;
     }
+    LetRest();
 }
 
 void qcSweptObjects::AddInnerCores(qcSweptObject* swept)

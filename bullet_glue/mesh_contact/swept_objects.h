@@ -6,6 +6,7 @@
 #include "common/rigid_limits.h"
 #include "mesh_contact/axis_cache.h"
 #include "mesh_contact/contact_depths.h"
+#include "mesh_contact/resting_meshes.h"
 #include "mesh_contact/swept_object.h"
 
 #include <memory>
@@ -23,6 +24,7 @@ class qcSweptObjects
     void InvalidateShape(const btCollisionShape* shape)
     {
         m_changes[shape]++;
+        m_resting.WakeAll(&m_sorted);
     }
     /// Dynamic objects start the step here. Without this call within the step, starts follow from velocities.
     void MarkStarts();
@@ -50,9 +52,10 @@ class qcSweptObjects
     void Hold(const btCollisionObject* object);
     /// Adapts the velocities of multibodies whose motion was cut.
     void UpdateMultiBodies() const;
-    /// The pairs that collide and whose boxes overlap; at least one of the two moves, and one is not isUnmoved.
-    void FindPairs(std::vector<qcSweptPair>* pairs);
-    /// The next step starts at the present transforms.
+    /// The pairs that collide and whose boxes overlap; at least one of the two moves, and one is not isUnmoved. Static
+    /// meshes that were left out take part from here on if something moves near them.
+    void FindPairs(qcScene* scene, std::vector<qcSweptPair>* pairs);
+    /// The next step starts at the present transforms. Static meshes without a pair in this one are left out.
     void RecordEnds();
     /// True if all objects in the world that are finite are where RecordEnds has seen them.
     bool AreAtEnds();
@@ -76,7 +79,7 @@ class qcSweptObjects
     {
         return m_notFinite;
     }
-    /// All objects, by number.
+    /// All objects but static meshes that are left out.
     const std::vector<qcSweptObject*>& Get() const
     {
         return m_sorted;
@@ -109,6 +112,8 @@ class qcSweptObjects
     qcSweptMultiBody* FindMultiBody(const btCollisionObject* object) const;
     void FindPlanes();
     void FindFloors(qcSweptObject* swept) const;
+    void WakeNearMoving(qcScene* scene);
+    void LetRest();
     bool IsLeftOut(const qcSweptObject& a, const qcSweptObject& b) const;
     bool Collide(const qcSweptObject& a, const qcSweptObject& b) const;
 
@@ -126,6 +131,7 @@ class qcSweptObjects
     bool m_anyFreeMesh = false; ///< there is one that is no static or kinematic body
     std::unordered_map<qcObjectKey, std::unique_ptr<qcSweptObject>, qcObjectKeyHash> m_objects;
     std::vector<qcSweptObject*> m_sorted;
+    qcRestingMeshes m_resting; ///< what m_sorted lacks of the objects
     /// Of bodies with Bullet's continuous collision that are not among the objects, where starts are marked.
     std::unordered_map<qcObjectKey, btTransform, qcObjectKeyHash> m_continuousStarts;
     std::unordered_map<const btMultiBody*, std::unique_ptr<qcSweptMultiBody>> m_multibodies;

@@ -11,9 +11,6 @@
 
 namespace
 {
-// Cosines: normals of one side of a body, and of opposite ones.
-constexpr btScalar s_sameSide = btScalar(0.9), s_oppositeSide = btScalar(0.5);
-
 /// The soft body of a key, if the scene still has it.
 qcSceneSoftBody* FindSoft(qcSoftBodyScene& scene, const qcObjectKey& key)
 {
@@ -184,25 +181,6 @@ void qcElasticContacts::AddSpring(qcSoftBodyScene& scene, const Kept& kept, qcPr
     m_sides.push_back({&kept, {softs[0], softs[1]}, rigidMotion, ofNodes - kept.predicted});
 }
 
-/// True if what is fixed presses a body from opposite sides.
-bool qcElasticContacts::IsSqueezed(const qcSceneSoftBody& soft) const
-{
-    std::vector<btVector3> normals; // different ones
-    for (size_t i = 0; i < m_springs.size(); i++)
-    {
-        const btVector3& normal = m_springs[i].normal;
-        if (m_sides[i].soft[0] != &soft || !m_springs[i].isClosed ||
-            std::any_of(normals.begin(), normals.end(),
-                        [&normal](const btVector3& other) { return normal.dot(other) > s_sameSide; }))
-            continue;
-        if (std::any_of(normals.begin(), normals.end(),
-                        [&normal](const btVector3& other) { return normal.dot(other) < -s_oppositeSide; }))
-            return true;
-        normals.push_back(normal);
-    }
-    return false;
-}
-
 /// The entry of a body that is loaded, or null.
 qcNodeElasticity::LoadedBody* qcElasticContacts::FindLoaded(const qcSceneSoftBody* soft)
 {
@@ -229,8 +207,7 @@ bool qcElasticContacts::IsStrained(size_t spring) const
                                         : m_sides[spring].soft[1] != nullptr && !m_elasticity->IsStrainedByRigidsOnly();
 }
 
-/// Finds the bodies that carry or press another body that can move, or are squeezed. Others rest on what is fixed: the
-/// contacts that follow stop these as well.
+/// Finds the bodies that carry or press another one or, unless only rigid bodies strain them, lie on something fixed.
 void qcElasticContacts::FindLoads()
 {
     m_loaded.clear();
@@ -254,9 +231,10 @@ void qcElasticContacts::FindLoads()
     m_loads.swap(loads);
     if (m_elasticity->IsStrainedByRigidsOnly())
         return;
+    // These carry themselves. The contacts that follow stop single nodes, after Bullet's solver has had them fall: its
+    // damping would then draw the others down, and what trembles would not come to rest.
     for (size_t i = 0; i < m_springs.size(); i++)
-        if (m_springs[i].rigid < 0 && m_sides[i].soft[1] == nullptr && FindLoaded(m_sides[i].soft[0]) == nullptr &&
-            IsSqueezed(*m_sides[i].soft[0]))
+        if (m_springs[i].isClosed && m_springs[i].rigid < 0 && m_sides[i].soft[1] == nullptr)
             AddLoaded(m_sides[i].soft[0], 0);
 }
 

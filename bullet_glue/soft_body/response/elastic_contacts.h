@@ -59,7 +59,6 @@ class qcElasticContacts
     bool AddRigidSide(const Kept& kept, qcPresentObjects* present, const qcSceneSoftBody& soft, btVector3* start,
                       btVector3* end, qcElasticSpring* spring);
     void AddSpring(qcSoftBodyScene& scene, const Kept& kept, qcPresentObjects* present);
-    bool IsSqueezed(const qcSceneSoftBody& soft) const;
     qcNodeElasticity::LoadedBody* FindLoaded(const qcSceneSoftBody* soft);
     void AddLoaded(qcSceneSoftBody* soft, btScalar load);
     bool IsLoad(const Kept& kept) const;

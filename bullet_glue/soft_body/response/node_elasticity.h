@@ -33,8 +33,7 @@ class qcNodeElasticity
     virtual btScalar SpringStiffness() const = 0;
     /// True if contacts of the body count.
     virtual bool Covers(const qcSceneSoftBody& soft) const = 0;
-    /// True if only rigid bodies that can move strain the bodies. Otherwise soft bodies on them do, too, and fixed
-    /// objects that press from opposite sides.
+    /// True if only rigid bodies that can move strain the bodies. Otherwise all that touches them does.
     virtual bool IsStrainedByRigidsOnly() const = 0;
     /// True if a rigid body that touches a soft one, which is on the side of the normal, may need to be borne.
     virtual bool MayLie(const btRigidBody& rigid, const btVector3& normal) const = 0;
