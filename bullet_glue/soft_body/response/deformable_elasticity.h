@@ -51,6 +51,10 @@ class qcDeformableElasticity : public qcNodeElasticity
         return m_bodies[body].soft->body->m_nodes[0].index;
     }
     int NodeCount() const override;
+    bool IsHeld(int) const override
+    {
+        return false;
+    }
     void Update(const Vector&) override
     {
     }

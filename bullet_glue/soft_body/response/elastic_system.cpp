@@ -116,7 +116,7 @@ void qcElasticSystem::FindNodes(const std::vector<qcNodeElasticity::LoadedBody>&
         {
             const auto number = size_t(m_elasticity->FirstNodeOf(body) + i);
             m_bodyOfNode[number] = int(body);
-            if (bodies[body].soft->InverseMass(uint32_t(i)) > 0)
+            if (bodies[body].soft->InverseMass(uint32_t(i)) > 0 && !m_elasticity->IsHeld(int(number)))
             {
                 m_nodes[number] = &bodies[body].soft->body->m_nodes[i];
                 m_masses[number] = 1 / m_nodes[number]->m_im;

@@ -32,6 +32,12 @@ btScalar LinkStiffness(const btSoftBody::Link& link, btScalar left, btScalar lar
         return 0;
     return left * largest * inverse < 1 - left ? largest : (1 / left - 1) / inverse;
 }
+
+/// True if an anchor ties its node to a body that Bullet doesn't move.
+bool Holds(const btSoftBody::Anchor& anchor)
+{
+    return anchor.m_body != nullptr && anchor.m_body->isStaticOrKinematicObject();
+}
 } // namespace
 
 /// Sheets that are held. What is free gives way, and ropes solve links and contacts in turns.
@@ -39,6 +45,9 @@ bool qcLinkElasticity::Covers(const qcSceneSoftBody& soft) const
 {
     if (!soft.moves || !soft.body->isActive() || soft.body->m_links.size() == 0 || soft.topology.ropeCount > 0)
         return false;
+    for (int i = 0; i < soft.body->m_anchors.size(); i++)
+        if (Holds(soft.body->m_anchors[i]))
+            return true;
     for (uint32_t i = 0; i < uint32_t(soft.NodeCount()); i++)
         if (!(soft.InverseMass(i) > 0))
             return true;
@@ -60,6 +69,7 @@ bool qcLinkElasticity::Begin(const std::vector<LoadedBody>& bodies, btScalar tim
 {
     m_firstNodes.assign(1, 0);
     m_perDistance.clear();
+    m_isHeld.clear();
     m_springs.clear();
     for (const LoadedBody& loaded : bodies)
     {
@@ -95,6 +105,10 @@ bool qcLinkElasticity::Begin(const std::vector<LoadedBody>& bodies, btScalar tim
         // btSoftBody::solveConstraints damps by the same factor.
         m_perDistance.push_back((1 - body.m_cfg.kDP) / timeStep);
         m_firstNodes.push_back(first + body.m_nodes.size());
+        m_isHeld.resize(size_t(m_firstNodes.back()), false);
+        for (int i = 0; i < body.m_anchors.size(); i++)
+            if (Holds(body.m_anchors[i]))
+                m_isHeld[size_t(first) + loaded.soft->IndexOf(body.m_anchors[i].m_node)] = true;
     }
     return !m_springs.empty();
 }

@@ -1,4 +1,4 @@
-// Links of pinned sheets as springs, for what presses on them in the classic world.
+// Links of sheets that are held, by pinned nodes or anchors, as springs, for what presses on them in the classic world.
 //
 // Bullet moves the nodes of a link by their own masses, and contacts move nodes by theirs: a node transmits at most the
 // force of its mass times its displacement over the square of the step. So a ball of kilograms drew nodes of grams out
@@ -39,6 +39,10 @@ class qcLinkElasticity : public qcNodeElasticity
     {
         return m_firstNodes.back();
     }
+    bool IsHeld(int number) const override
+    {
+        return m_isHeld[size_t(number)];
+    }
     void Update(const Vector& x) override;
     void AddForces(const Vector& x, Vector* to) const override;
     void AddDiagonal(const std::vector<bool>& isNode, std::vector<btMatrix3x3>* to) override;
@@ -55,6 +59,7 @@ class qcLinkElasticity : public qcNodeElasticity
 
     std::vector<btScalar> m_perDistance; ///< by body: velocity of a node for its motion in the step
     std::vector<int> m_firstNodes;       ///< by body; then the number of nodes
+    std::vector<bool> m_isHeld;          ///< by number: anchored to what Bullet doesn't move
     std::vector<Spring> m_springs;
 };
 

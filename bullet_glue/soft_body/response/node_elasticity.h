@@ -46,6 +46,8 @@ class qcNodeElasticity
     virtual int FirstNodeOf(size_t body) const = 0;
     /// One more than the largest number.
     virtual int NodeCount() const = 0;
+    /// True if something that Bullet doesn't move holds a node where it is, though it has a mass.
+    virtual bool IsHeld(int number) const = 0;
     /// Reads what a solution does to the forces: displacements by node.
     virtual void Update(const Vector& x) = 0;
     /// Adds the forces against displacements by node, times the square of the time step.
