@@ -120,7 +120,7 @@ void qcSoftBodyContact::Implementation::SolveConstraints()
     BT_PROFILE("qcSoftBodyContact respond");
     double begin = qcNowMs();
     if (solvesLinks)
-        qcCollectLinks(scene, &m_links);
+        m_links.Collect(scene);
     // Links pull against what is restored in each step: without its velocity nodes at rest would have that of the pull.
     qcAddRecovery(&m_constraints, qcGapRecoveryOf(m_timeStep), !solvesLinks);
     qcSolveSoftConstraints(&m_constraints, &m_chains, m_links, &m_rigidNodeContacts, s_iterations);

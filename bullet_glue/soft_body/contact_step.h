@@ -91,7 +91,7 @@ struct qcSoftBodyContact::Implementation
     std::vector<qcSoftConstraint> m_constraints;
     qcForceChains m_chains;                    ///< of the constraints
     std::vector<size_t> m_contactOfConstraint; ///< index in the result
-    std::vector<qcSoftLink> m_links;
+    qcRopeLinks m_links;
     std::vector<qcRigidNodeContact> m_rigidNodeContacts;
     const qcResult* m_result = nullptr; ///< of the last detection
     qcSoftCandidates m_candidates;      ///< of the first detection of the step

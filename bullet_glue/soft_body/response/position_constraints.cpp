@@ -319,7 +319,7 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
 }
 
 void qcSolveSoftConstraints(std::vector<qcSoftConstraint>* constraints, qcForceChains* chains,
-                            const std::vector<qcSoftLink>& links, std::vector<qcRigidNodeContact>* rigidNodeContacts,
+                            const qcRopeLinks& links, std::vector<qcRigidNodeContact>* rigidNodeContacts,
                             int iterations)
 {
     chains->Begin();
@@ -334,11 +334,11 @@ void qcSolveSoftConstraints(std::vector<qcSoftConstraint>* constraints, qcForceC
     {
         // Bullet has solved the links before the first sweep.
         if (i > 0)
-            qcSolveLinks(links);
+            links.Solve();
         bool moved = chains->Solve(constraints);
         for (qcSoftConstraint& constraint : *constraints)
             moved = Solve(constraint) || moved;
-        if (!moved && links.empty() && rigidNodeContacts->empty())
+        if (!moved && links.IsEmpty() && rigidNodeContacts->empty())
             return;
         // Few of the nodes on rigid bodies are in a contact. The first sweep moves these; the last one checks all
         // nodes.

@@ -1,16 +1,15 @@
-// Links of ropes in the response of contacts.
+// Links and anchors of ropes in the response of contacts.
 //
 // Bullet solves links, then contacts push nodes off what they touch. A face is pushed as a whole, but a rope over an
 // edge at some nodes only: the next step begins with stretched links, which pull these nodes into the edge by
 // centimetres. Contacts that push that far let the rope creep, though friction would hold it. Solved in alternation,
-// links and contacts converge to a rope under tension that lies still.
+// links and contacts converge to a rope under tension that lies still. Without its anchors the rope would shorten off
+// them.
 #include "soft_body/response/rope_links.h"
 
 #include <algorithm>
 
-namespace
-{
-void AddLink(qcSceneSoftBody& soft, const btSoftBody::Link& link, std::vector<qcSoftLink>* links)
+void qcRopeLinks::AddLink(qcSceneSoftBody& soft, const btSoftBody::Link& link, std::vector<Link>* links)
 {
     // Bullet prepares m_c0 and m_c1 at the beginning of the step. A callback may have made nodes lighter since: with
     // the divisor of heavier ones each sweep would push them further apart.
@@ -22,23 +21,41 @@ void AddLink(qcSceneSoftBody& soft, const btSoftBody::Link& link, std::vector<qc
                       link.m_c1,
                       std::max(link.m_c0, divisor)});
 }
-} // namespace
 
-void qcCollectLinks(qcSoftBodyScene& scene, std::vector<qcSoftLink>* links)
+void qcRopeLinks::AddAnchor(qcSceneSoftBody& soft, const btSoftBody::Anchor& anchor, std::vector<Anchor>* anchors)
 {
-    links->clear();
+    const btScalar share = anchor.m_influence * soft.body->m_cfg.kAHR;
+    if (anchor.m_body == nullptr || !(anchor.m_node->m_im > 0) || !(share > 0))
+        return;
+    anchors->push_back({&soft.positions[soft.IndexOf(anchor.m_node)], anchor.m_body,
+                        anchor.m_body->getWorldTransform() * anchor.m_local, anchor.m_c1,
+                        anchor.m_c0.scaled(btVector3(share, share, share)), anchor.m_c2});
+}
+
+void qcRopeLinks::Collect(qcSoftBodyScene& scene)
+{
+    m_links.clear();
+    m_anchors.clear();
     for (qcSceneSoftBody& soft : scene.Bodies())
     {
-        if (!soft.moves || !soft.inContact)
+        if (!soft.moves || !soft.inContact || soft.topology.looseLinks.empty())
             continue;
         for (const auto& link : soft.topology.looseLinks)
-            AddLink(soft, soft.body->m_links[link.first], links);
+            AddLink(soft, soft.body->m_links[link.first], &m_links);
+        for (int i = 0; i < soft.body->m_anchors.size(); i++)
+            AddAnchor(soft, soft.body->m_anchors[i], &m_anchors);
     }
 }
 
-void qcSolveLinks(const std::vector<qcSoftLink>& links)
+void qcRopeLinks::Solve() const
 {
-    for (const qcSoftLink& link : links)
+    for (const Anchor& anchor : m_anchors)
+    {
+        const btVector3 impulse = anchor.impulse * (anchor.place - *anchor.position);
+        *anchor.position += impulse * anchor.displacement;
+        anchor.body->applyImpulse(-impulse, anchor.arm);
+    }
+    for (const Link& link : m_links)
     {
         btVector3 along = *link.position[1] - *link.position[0];
         btScalar length2 = along.length2();

@@ -1,21 +1,47 @@
-// Links of ropes in contact, solved again between the sweeps of contact response.
+// Links and anchors of ropes in contact, solved again between the sweeps of contact response.
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_ROPE_LINKS_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_ROPE_LINKS_H
 
 #include "soft_body/scene/soft_scene.h"
 
-/// A link as a constraint on the positions of its two nodes.
-struct qcSoftLink
+class qcRopeLinks
 {
-    btVector3* position[2];
-    btScalar inverseMass[2];
-    btScalar restLength2;
-    btScalar divisor; ///< sum of the inverse masses, divided by the link's stiffness
-};
+  public:
+    /// Reads the links with an end that belongs to no face, of moving bodies in contact, and the anchors of these.
+    void Collect(qcSoftBodyScene& scene);
+    bool IsEmpty() const
+    {
+        return m_links.empty();
+    }
+    /// One Gauss-Seidel sweep, by the formulas of btSoftBody::PSolve_Links and PSolve_Anchors. Bodies that move get
+    /// the impulses of their anchors.
+    void Solve() const;
 
-/// Collects the links with an end that belongs to no face, of moving bodies in contact.
-void qcCollectLinks(qcSoftBodyScene& scene, std::vector<qcSoftLink>* links);
-/// One Gauss-Seidel sweep, by the formula of btSoftBody::PSolve_Links.
-void qcSolveLinks(const std::vector<qcSoftLink>& links);
+  private:
+    /// A link as a constraint on the positions of its two nodes.
+    struct Link
+    {
+        btVector3* position[2];
+        btScalar inverseMass[2];
+        btScalar restLength2;
+        btScalar divisor; ///< sum of the inverse masses, divided by the link's stiffness
+    };
+
+    /// What holds a node at a place of a body.
+    struct Anchor
+    {
+        btVector3* position;
+        btRigidBody* body;
+        btVector3 place, arm;
+        btMatrix3x3 impulse;   ///< for a displacement of the node from its place
+        btScalar displacement; ///< of the node by an impulse
+    };
+
+    static void AddLink(qcSceneSoftBody& soft, const btSoftBody::Link& link, std::vector<Link>* links);
+    static void AddAnchor(qcSceneSoftBody& soft, const btSoftBody::Anchor& anchor, std::vector<Anchor>* anchors);
+
+    std::vector<Link> m_links;
+    std::vector<Anchor> m_anchors;
+};
 
 #endif

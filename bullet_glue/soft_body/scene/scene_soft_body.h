@@ -75,11 +75,11 @@ struct qcSceneSoftBody
     std::vector<btVector3> start;
     /// How far the application has moved the nodes since the previous step; empty: none, or the body starts elsewhere.
     std::vector<btVector3> applied;
-    std::vector<btVector3> solved;    ///< after Bullet's own solvers
-    btVector3 solvedBox[2];           ///< around `start` and `solved`
-    bool hasSolvedBox = false;        ///< there are nodes, and the box is finite
-    btVector3 collectedBox[2];        ///< the scene has the meshes in it
-    bool isSolvedStretched = false;   ///< qcIsStretchedChain from `start` to `solved`
+    std::vector<btVector3> solved;                ///< after Bullet's own solvers
+    btVector3 solvedBox[2]{{0, 0, 0}, {0, 0, 0}}; ///< around `start` and `solved`
+    bool hasSolvedBox = false;                    ///< there are nodes, and the box is finite
+    btVector3 collectedBox[2];                    ///< the scene has the meshes in it
+    bool isSolvedStretched = false;               ///< qcIsStretchedChain from `start` to `solved`
     std::vector<btVector3> positions; ///< after contacts so far; copied to Bullet's nodes at the end of the step
     /// The parts of the positions that untangling, or in the deformable world the restoring of gaps, added in this
     /// step; they give no velocity. Empty: none.
