@@ -617,7 +617,8 @@ typedef struct qcResult
 } qcResult;
 
 /// Runs a step: finds the pairs, and what else `def` requests. The result does not depend on the number of threads, nor
-/// on the method among those that never miss. O(n log n + candidates) for `sweep`.
+/// on the method among those that never miss. O(n log n + candidates + pairs of triangles that share a vertex) for
+/// `sweep`.
 ///
 /// A method that needs GL where there is none falls back to `sweep`, which gives qcProfile::fallback.
 ///

@@ -4,10 +4,22 @@
 // edge at some nodes only: the next step begins with stretched links, which pull these nodes into the edge by
 // centimetres. Contacts that push that far let the rope creep, though friction would hold it. Solved in alternation,
 // links and contacts converge to a rope under tension that lies still. Without its anchors the rope would shorten off
-// them.
+// them. Cloth that bears a load by anchors is under tension as well.
 #include "soft_body/response/rope_links.h"
 
 #include <algorithm>
+
+namespace
+{
+/// True if an anchor ties a body that moves to the soft one.
+bool HasLoad(const btSoftBody& body)
+{
+    for (int i = 0; i < body.m_anchors.size(); i++)
+        if (body.m_anchors[i].m_body != nullptr && body.m_anchors[i].m_body->getInvMass() > 0)
+            return true;
+    return false;
+}
+} // namespace
 
 void qcRopeLinks::AddLink(qcSceneSoftBody& soft, const btSoftBody::Link& link, std::vector<Link>* links)
 {
@@ -38,10 +50,13 @@ void qcRopeLinks::Collect(qcSoftBodyScene& scene)
     m_anchors.clear();
     for (qcSceneSoftBody& soft : scene.Bodies())
     {
-        if (!soft.moves || !soft.inContact || soft.topology.looseLinks.empty())
+        const bool isLoaded = HasLoad(*soft.body);
+        if (!soft.moves || !soft.inContact || (soft.topology.looseLinks.empty() && !isLoaded))
             continue;
-        for (const auto& link : soft.topology.looseLinks)
-            AddLink(soft, soft.body->m_links[link.first], &m_links);
+        for (int i = 0; isLoaded && i < soft.body->m_links.size(); i++)
+            AddLink(soft, soft.body->m_links[i], &m_links);
+        for (size_t i = 0; !isLoaded && i < soft.topology.looseLinks.size(); i++)
+            AddLink(soft, soft.body->m_links[soft.topology.looseLinks[i].first], &m_links);
         for (int i = 0; i < soft.body->m_anchors.size(); i++)
             AddAnchor(soft, soft.body->m_anchors[i], &m_anchors);
     }

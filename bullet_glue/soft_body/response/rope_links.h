@@ -1,4 +1,5 @@
-// Links and anchors of ropes in contact, solved again between the sweeps of contact response.
+// Links and anchors of ropes, and of cloth with loads at its anchors, in contact: solved again between the sweeps of
+// contact response.
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_ROPE_LINKS_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_ROPE_LINKS_H
 
@@ -7,7 +8,8 @@
 class qcRopeLinks
 {
   public:
-    /// Reads the links with an end that belongs to no face, of moving bodies in contact, and the anchors of these.
+    /// Reads the links with an end that belongs to no face, of moving bodies in contact, and the anchors of these. Of
+    /// bodies whose anchors tie something to them that moves, all links.
     void Collect(qcSoftBodyScene& scene);
     bool IsEmpty() const
     {
