@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 namespace
 {
@@ -20,6 +21,7 @@ constexpr size_t s_maxCorners = 200;
 constexpr uint32_t s_none = UINT32_MAX;
 constexpr double s_flat = 1e-6;         ///< min height of a triangle by its length: pieces may be of single precision
 constexpr double s_spikeHeight = 1e-12; ///< in units of about the mesh's size: what rounding makes of no height
+constexpr double s_foldedArea = 1e-9;   ///< in squared units: what rounding makes of none
 constexpr size_t s_maxStarts = 4;       ///< of searches for a triangulation without flat triangles
 
 /// A single loop, projected along the normal.
@@ -387,6 +389,45 @@ bool CutSpikes(qcFacetedMesh* mesh, uint32_t face, qcClipLoops* loops)
     return loops->points.size() != before;
 }
 
+/// The part of the way from a to b at which p lies on it; none: it does not.
+std::optional<double> PartOfWay(const qcClipPoint& a, const qcClipPoint& b, const qcClipPoint& p)
+{
+    const qcClipPoint way = qcMinus(b, a), to = qcMinus(p, a), cross = qcCrossOf(way, to);
+    const double length2 = qcDotOf(way, way), along = qcDotOf(way, to);
+    if (!(along > 0 && along < length2) || qcDotOf(cross, cross) > s_spikeHeight * s_spikeHeight * length2)
+        return std::nullopt;
+    return along / length2;
+}
+
+/// Has edges pass through the corners that lie on them, with a flat triangle each: the tesselator may leave out such a
+/// corner. O(corners * corners).
+void SplitAtCorners(qcFacetedMesh* mesh, uint32_t face, qcClipLoops* loops)
+{
+    qcClipLoops split;
+    for (size_t loop = 0; loop < loops->ends.size(); loop++)
+    {
+        for (size_t begin = loops->Begin(loop), i = begin, end = loops->ends[loop]; i < end; i++)
+        {
+            const uint32_t a = loops->points[i], b = loops->points[i + 1 < end ? i + 1 : begin];
+            std::vector<std::pair<double, uint32_t>> between;
+            for (uint32_t p : loops->points)
+                if (p != a && p != b)
+                    if (auto part = PartOfWay(mesh->points[a], mesh->points[b], mesh->points[p]))
+                        between.emplace_back(*part, p);
+            std::sort(between.begin(), between.end());
+            between.erase(std::unique(between.begin(), between.end()), between.end());
+            split.points.push_back(a);
+            uint32_t last = b;
+            for (size_t k = between.size(); k-- > 0; last = between[k].second)
+                AddTriangle(mesh, {a, last, between[k].second}, face);
+            for (const auto& corner : between)
+                split.points.push_back(corner.second);
+        }
+        split.ends.push_back(split.points.size());
+    }
+    *loops = std::move(split);
+}
+
 /// The normal of the loops, with twice their area as its length.
 qcClipPoint NormalOf(const qcFacetedMesh& mesh, const qcClipLoops& loops)
 {
@@ -403,6 +444,27 @@ qcClipPoint NormalOf(const qcFacetedMesh& mesh, const qcClipLoops& loops)
             }
         }
     return normal;
+}
+/// Triangulates loops of any kind. Some parts of the plane may be covered by triangles back to back.
+void TriangulateAny(qcFacetedMesh* mesh, const qcClipPoint& normal, uint32_t face, const qcClipLoops& loops,
+                    qcClipScratch* scratch)
+{
+    const size_t first = mesh->triangles.size();
+    Tesselate(mesh, normal, face, loops);
+    FillOpenLoops(mesh, first, face, loops, scratch);
+}
+
+/// By how much the triangles from `first` on have more area than their face, whose normal has twice its area as its
+/// length.
+double FoldedArea(const qcFacetedMesh& mesh, size_t first, const qcClipPoint& normal)
+{
+    double area = 0;
+    for (size_t i = first; i < mesh.triangles.size(); i++)
+    {
+        const std::array<uint32_t, 3>& v = mesh.triangles[i].corner;
+        area += std::sqrt(SquaredArea(mesh, v[0], v[1], v[2])) / 2;
+    }
+    return area - std::sqrt(qcDotOf(normal, normal)) / 2;
 }
 } // namespace
 
@@ -433,7 +495,17 @@ void qcClipFace_Add(qcFacetedMesh* mesh, uint32_t face, const qcHalfEdge* halfEd
     };
     if (hasOutline() || (CutSpikes(mesh, face, &loops) && hasOutline()))
         return;
-    size_t first = mesh->triangles.size();
-    Tesselate(mesh, normal, face, loops);
-    FillOpenLoops(mesh, first, face, loops, scratch);
+    const size_t first = mesh->triangles.size();
+    TriangulateAny(mesh, normal, face, loops, scratch);
+    const double folded = FoldedArea(*mesh, first, normal);
+    if (folded < s_foldedArea || loops.points.size() > s_maxCorners)
+        return;
+    std::vector<qcClipTriangle> triangles(mesh->triangles.begin() + std::ptrdiff_t(first), mesh->triangles.end());
+    mesh->triangles.resize(first);
+    SplitAtCorners(mesh, face, &loops);
+    TriangulateAny(mesh, normal, face, loops, scratch);
+    if (FoldedArea(*mesh, first, normal) < folded)
+        return;
+    mesh->triangles.resize(first);
+    mesh->triangles.insert(mesh->triangles.end(), triangles.begin(), triangles.end());
 }
