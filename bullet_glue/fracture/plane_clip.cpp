@@ -331,8 +331,8 @@ void FindCutsInPlane(uint32_t cutFace, std::vector<qcCutPoint>* ends, std::vecto
     }
 }
 
-/// Likewise without the faces in the plane that have the outside behind them. Points in the plane are kept where
-/// edges that are left have them. Returns how many points are kept.
+/// Does what KeepEdges does, without the faces in the plane that have the outside behind them. Points in the plane are
+/// kept where edges that are left have them. Returns how many points are kept.
 uint32_t KeepEdgesInside(const qcClipSolid& from, const PlaneFaces& faces, uint32_t cutFace, qcClipScratch* scratch,
                          std::vector<qcClipEdge>* to)
 {
