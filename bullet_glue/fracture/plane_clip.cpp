@@ -301,22 +301,22 @@ class CutEdges
 //  ---- faces in the plane ----------------------------------------------------------------------------
 
 /// An edge as it is inside of the plane. Faces in the plane that have the outside behind them are left out; where such
-/// a face borders on one that has the inside behind it, the cut face takes its place. False: nothing is left of the
-/// edge.
-bool LeaveOutside(const PlaneFaces& faces, uint32_t cutFace, double start, double end, qcClipEdge* edge)
+/// a face borders on one that has the inside behind it, the cut face will take its place: s_none. False: nothing is
+/// left of the edge.
+bool LeaveOutside(const PlaneFaces& faces, double start, double end, qcClipEdge* edge)
 {
     if (start != 0 || end != 0)
         return start < 0 || end < 0;
     const bool isLeftOutside = faces.IsOutside(edge->left), isRightOutside = faces.IsOutside(edge->right);
     const uint32_t other = isLeftOutside ? edge->right : edge->left;
     if (isLeftOutside || isRightOutside)
-        (isLeftOutside ? edge->left : edge->right) = cutFace;
+        (isLeftOutside ? edge->left : edge->right) = s_none;
     return (!isLeftOutside && !isRightOutside) || faces.IsInside(other);
 }
 
 /// Lists the points in the plane where faces leave the inside or enter it: more half-edges of the face lead to them
 /// than from them, or fewer. `ends`: by half-edge with an end in the plane; `leaves`: it leads to that.
-void FindCutsInPlane(uint32_t cutFace, std::vector<qcCutPoint>* ends, std::vector<qcCutPoint>* cuts)
+void FindCutsInPlane(std::vector<qcCutPoint>* ends, std::vector<qcCutPoint>* cuts)
 {
     auto key = [](const qcCutPoint& end) { return std::make_pair(end.face, end.point); };
     std::sort(ends->begin(), ends->end(), [&](const qcCutPoint& a, const qcCutPoint& b) { return key(a) < key(b); });
@@ -326,7 +326,7 @@ void FindCutsInPlane(uint32_t cutFace, std::vector<qcCutPoint>* ends, std::vecto
         int leaving = 0;
         for (; i < ends->size() && key((*ends)[i]) == key(first); i++)
             leaving += (*ends)[i].leaves ? 1 : -1;
-        if (first.face != cutFace)
+        if (first.face != s_none)
             cuts->insert(cuts->end(), size_t(std::abs(leaving)), {first.face, first.point, leaving > 0});
     }
 }
@@ -340,7 +340,7 @@ uint32_t KeepEdgesInside(const qcClipSolid& from, const PlaneFaces& faces, uint3
     std::vector<qcClipEdge> kept;
     std::vector<bool> isKept(sides.size());
     for (qcClipEdge edge : from.edges)
-        if (LeaveOutside(faces, cutFace, sides[edge.from], sides[edge.to], &edge))
+        if (LeaveOutside(faces, sides[edge.from], sides[edge.to], &edge))
         {
             kept.push_back(edge);
             isKept[edge.from] = isKept[edge.to] = true;
@@ -362,11 +362,11 @@ uint32_t KeepEdgesInside(const qcClipSolid& from, const PlaneFaces& faces, uint3
                 ends.push_back({edge.left, isEnd ? end : start, isEnd});
                 ends.push_back({edge.right, isEnd ? end : start, !isEnd});
             }
-        edge.from = start;
-        edge.to = end;
+        // An earlier cut may have a face of this number.
+        edge = {start, end, edge.left != s_none ? edge.left : cutFace, edge.right != s_none ? edge.right : cutFace};
     }
     scratch->crossedCount = scratch->crossedEdges.size();
-    FindCutsInPlane(cutFace, &ends, &scratch->cutsInPlane);
+    FindCutsInPlane(&ends, &scratch->cutsInPlane);
     to->swap(kept);
     return count;
 }

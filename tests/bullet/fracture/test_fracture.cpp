@@ -288,6 +288,41 @@ START_TEST(the_same_input_gives_the_same_pieces_and_sites_gather_around_an_impac
 }
 END_TEST
 
+/// Splits a mesh, its pieces, and so on. Their cuts lie in the planes of earlier ones, but for rounding. Returns the
+/// number of all pieces.
+static size_t SplitDeep(const qcFractureDef& def, int levels, uint64_t seed)
+{
+    const qcFracture fracture = qcFracture_Split(def);
+    ck_assert_msg(fracture.status == qc_statusOk, "%s", fracture.message.c_str());
+    size_t count = fracture.pieces.size();
+    double volume = 0;
+    uint64_t number = 0;
+    for (const qcPiece& piece : fracture.pieces)
+    {
+        number++;
+        ck_assert(qcIsClosed(piece));
+        volume += piece.volume;
+        if (levels == 0 || piece.volume < 1e-4)
+            continue;
+        qcFractureDef part;
+        part.vertices = piece.vertices;
+        part.indices = piece.indices;
+        qcScatterInside(&part, 8, 31 * seed + number);
+        count += SplitDeep(part, levels - 1, 31 * seed + number);
+    }
+    ck_assert_double_eq_tol(volume + fracture.lostVolume, fracture.volume, 1e-6 * fracture.volume);
+    return count;
+}
+
+START_TEST(pieces_of_pieces_are_split_again)
+{
+    qcFractureDef torus = qcTorusToBreak(32, 16, 1, 0.4);
+    torus.sites = qcScatterSites(btVector3(btScalar(-1.4), btScalar(-1.4), btScalar(-0.4)),
+                                 btVector3(btScalar(1.4), btScalar(1.4), btScalar(0.4)), 20, 1);
+    ck_assert_uint_gt(SplitDeep(torus, 3, 1), 1000);
+}
+END_TEST
+
 START_TEST(momentum_and_angular_momentum_are_kept)
 {
     qcFractureDef box = qcBoxToBreak(1, 0.5, 2);
@@ -405,7 +440,7 @@ QC_RUN_TESTS("fracture", pieces_are_closed_lie_in_their_cells_and_fill_the_mesh,
              cuts_through_vertices_and_along_faces_are_closed, cuts_through_flat_sides_leave_no_flat_or_folded_triangle,
              triangles_back_to_back_are_dropped, hollows_make_holes_in_cuts, a_hollow_belongs_to_the_piece_around_it,
              sites_around_an_impact_far_from_zero_are_different,
-             the_same_input_gives_the_same_pieces_and_sites_gather_around_an_impact,
+             the_same_input_gives_the_same_pieces_and_sites_gather_around_an_impact, pieces_of_pieces_are_split_again,
              momentum_and_angular_momentum_are_kept, pieces_of_a_very_light_body_are_not_static,
              a_piece_that_is_partly_inside_out_has_its_centre_inside_and_rotates_about_each_axis,
              bad_input_is_refused_with_its_place)
