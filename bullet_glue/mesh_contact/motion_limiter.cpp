@@ -682,6 +682,8 @@ void qcMotionLimiter::Run(btScalar timeStep, qcMeshContactStatistics* statistics
 {
     BT_PROFILE("qcMeshContact limit");
     m_planes.Clear();
+    // Those of the last step may be of objects that are gone.
+    m_unprovenTriangles.clear();
     m_islands.Reset(m_objects.Get());
     qcStatus status = Certify();
     if (status != qc_statusOk)
