@@ -50,8 +50,10 @@ void qcRopeLinks::Collect(qcSoftBodyScene& scene)
     m_anchors.clear();
     for (qcSceneSoftBody& soft : scene.Bodies())
     {
+        if (!soft.moves || !soft.inContact)
+            continue;
         const bool isLoaded = HasLoad(*soft.body);
-        if (!soft.moves || !soft.inContact || (soft.topology.looseLinks.empty() && !isLoaded))
+        if (soft.topology.looseLinks.empty() && !isLoaded)
             continue;
         for (int i = 0; isLoaded && i < soft.body->m_links.size(); i++)
             AddLink(soft, soft.body->m_links[i], &m_links);
