@@ -381,6 +381,7 @@ double Random(uint64_t* state)
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
     return double((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
+
 /// The position in a box that follows another one: x first, then y, then z; behind the last one comes the first.
 btVector3 NextPosition(const btVector3& position, const btVector3& lower, const btVector3& upper)
 {
@@ -450,22 +451,17 @@ std::vector<btVector3> qcScatterSites(const btVector3& lower, const btVector3& u
         // A random share of the way from the impact to the site: densities fall as the square of the distance.
         return impact != nullptr ? dense.lerp(site, btScalar(Random(&seed))) : site;
     };
+    auto take = [&taken](const btVector3& site) { return taken.insert({site.x(), site.y(), site.z()}).second; };
     for (uint32_t i = 0; i < count; i++)
     {
         btVector3 site = draw();
+        bool isNew = take(site);
         // Far from the origin few positions are near the impact.
-        bool isNew = taken.insert({site.x(), site.y(), site.z()}).second;
         for (int more = 0; more < s_maxDraws && !isNew; more++)
-        {
-            site = draw();
-            isNew = taken.insert({site.x(), site.y(), site.z()}).second;
-        }
+            isNew = take(site = draw());
         // One of as many positions as are taken, and one more, is free.
         for (size_t passed = 0; passed < taken.size() && !isNew; passed++)
-        {
-            site = NextPosition(site, lower, upper);
-            isNew = taken.insert({site.x(), site.y(), site.z()}).second;
-        }
+            isNew = take(site = NextPosition(site, lower, upper));
         sites.push_back(site);
     }
     return sites;

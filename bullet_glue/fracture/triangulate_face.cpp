@@ -445,6 +445,7 @@ qcClipPoint NormalOf(const qcFacetedMesh& mesh, const qcClipLoops& loops)
         }
     return normal;
 }
+
 /// Triangulates loops of any kind. Some parts of the plane may be covered by triangles back to back.
 void TriangulateAny(qcFacetedMesh* mesh, const qcClipPoint& normal, uint32_t face, const qcClipLoops& loops,
                     qcClipScratch* scratch)

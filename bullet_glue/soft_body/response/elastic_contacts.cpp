@@ -198,16 +198,17 @@ void qcElasticContacts::AddLoaded(qcSceneSoftBody* soft, btScalar load)
         m_loaded.push_back({soft, load});
 }
 
-/// True if soft bodies of the spring need their elasticity to bear the other side.
+/// True if soft bodies of the spring need their elasticity to bear the other side. What lies on something fixed needs
+/// it, too, unless only rigid bodies strain it. The contacts that follow stop single nodes, after Bullet's solver has
+/// had them fall: its damping would draw the others down, and what trembles would not come to rest.
 bool qcElasticContacts::IsStrained(size_t spring) const
 {
     if (!m_springs[spring].isClosed)
         return false;
-    return m_springs[spring].rigid >= 0 ? m_sides[spring].kept->isStrain
-                                        : m_sides[spring].soft[1] != nullptr && !m_elasticity->IsStrainedByRigidsOnly();
+    return m_springs[spring].rigid >= 0 ? m_sides[spring].kept->isStrain : !m_elasticity->IsStrainedByRigidsOnly();
 }
 
-/// Finds the bodies that carry or press another one or, unless only rigid bodies strain them, lie on something fixed.
+/// Finds the bodies that are strained, and what loads them.
 void qcElasticContacts::FindLoads()
 {
     m_loaded.clear();
@@ -229,13 +230,6 @@ void qcElasticContacts::FindLoads()
         AddLoaded(sides.soft[0], 1 / btRigidBody::upcast(load.second.object)->getInvMass());
     }
     m_loads.swap(loads);
-    if (m_elasticity->IsStrainedByRigidsOnly())
-        return;
-    // These carry themselves. The contacts that follow stop single nodes, after Bullet's solver has had them fall: its
-    // damping would then draw the others down, and what trembles would not come to rest.
-    for (size_t i = 0; i < m_springs.size(); i++)
-        if (m_springs[i].isClosed && m_springs[i].rigid < 0 && m_sides[i].soft[1] == nullptr)
-            AddLoaded(m_sides[i].soft[0], 0);
 }
 
 /// Adds the bodies that pass the loads on.

@@ -21,27 +21,27 @@ bool HasLoad(const btSoftBody& body)
 }
 } // namespace
 
-void qcRopeLinks::AddLink(qcSceneSoftBody& soft, const btSoftBody::Link& link, std::vector<Link>* links)
+void qcRopeLinks::AddLink(qcSceneSoftBody& soft, const btSoftBody::Link& link)
 {
     // Bullet prepares m_c0 and m_c1 at the beginning of the step. A callback may have made nodes lighter since: with
     // the divisor of heavier ones each sweep would push them further apart.
     if (link.m_c0 <= 0)
         return;
     const btScalar divisor = (link.m_n[0]->m_im + link.m_n[1]->m_im) / link.m_material->m_kLST;
-    links->push_back({{&soft.positions[soft.IndexOf(link.m_n[0])], &soft.positions[soft.IndexOf(link.m_n[1])]},
-                      {link.m_n[0]->m_im, link.m_n[1]->m_im},
-                      link.m_c1,
-                      std::max(link.m_c0, divisor)});
+    m_links.push_back({{&soft.positions[soft.IndexOf(link.m_n[0])], &soft.positions[soft.IndexOf(link.m_n[1])]},
+                       {link.m_n[0]->m_im, link.m_n[1]->m_im},
+                       link.m_c1,
+                       std::max(link.m_c0, divisor)});
 }
 
-void qcRopeLinks::AddAnchor(qcSceneSoftBody& soft, const btSoftBody::Anchor& anchor, std::vector<Anchor>* anchors)
+void qcRopeLinks::AddAnchor(qcSceneSoftBody& soft, const btSoftBody::Anchor& anchor)
 {
     const btScalar share = anchor.m_influence * soft.body->m_cfg.kAHR;
     if (anchor.m_body == nullptr || !(anchor.m_node->m_im > 0) || !(share > 0))
         return;
-    anchors->push_back({&soft.positions[soft.IndexOf(anchor.m_node)], anchor.m_body,
-                        anchor.m_body->getWorldTransform() * anchor.m_local, anchor.m_c1,
-                        anchor.m_c0.scaled(btVector3(share, share, share)), anchor.m_c2});
+    m_anchors.push_back({&soft.positions[soft.IndexOf(anchor.m_node)], anchor.m_body,
+                         anchor.m_body->getWorldTransform() * anchor.m_local, anchor.m_c1, anchor.m_c0 * share,
+                         anchor.m_c2});
 }
 
 void qcRopeLinks::Collect(qcSoftBodyScene& scene)
@@ -56,11 +56,11 @@ void qcRopeLinks::Collect(qcSoftBodyScene& scene)
         if (soft.topology.looseLinks.empty() && !isLoaded)
             continue;
         for (int i = 0; isLoaded && i < soft.body->m_links.size(); i++)
-            AddLink(soft, soft.body->m_links[i], &m_links);
+            AddLink(soft, soft.body->m_links[i]);
         for (size_t i = 0; !isLoaded && i < soft.topology.looseLinks.size(); i++)
-            AddLink(soft, soft.body->m_links[soft.topology.looseLinks[i].first], &m_links);
+            AddLink(soft, soft.body->m_links[soft.topology.looseLinks[i].first]);
         for (int i = 0; i < soft.body->m_anchors.size(); i++)
-            AddAnchor(soft, soft.body->m_anchors[i], &m_anchors);
+            AddAnchor(soft, soft.body->m_anchors[i]);
     }
 }
 

@@ -39,8 +39,8 @@ class qcRopeLinks
         btScalar displacement; ///< of the node by an impulse
     };
 
-    static void AddLink(qcSceneSoftBody& soft, const btSoftBody::Link& link, std::vector<Link>* links);
-    static void AddAnchor(qcSceneSoftBody& soft, const btSoftBody::Anchor& anchor, std::vector<Anchor>* anchors);
+    void AddLink(qcSceneSoftBody& soft, const btSoftBody::Link& link);
+    void AddAnchor(qcSceneSoftBody& soft, const btSoftBody::Anchor& anchor);
 
     std::vector<Link> m_links;
     std::vector<Anchor> m_anchors;
