@@ -5,6 +5,7 @@
 #include "quickcullide/bullet_positions.h"
 
 #include <BulletCollision/CollisionShapes/btPolyhedralConvexShape.h>
+#include <BulletCollision/CollisionShapes/btScaledBvhTriangleMeshShape.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 
 #include <cstring>
@@ -34,6 +35,56 @@ class Reader : public btTriangleCallback
     std::vector<uint32_t>* m_indices;
     std::vector<qcTriangleSource>* m_sources;
 };
+
+class Counter : public btTriangleCallback
+{
+  public:
+    void processTriangle(btVector3*, int, int) override
+    {
+        count++;
+    }
+
+    size_t count = 0;
+};
+
+/// The mesh that a shape reports all of; null: there is none, or it is not known.
+const btStridingMeshInterface* MeshOf(const btCollisionShape* shape)
+{
+    switch (shape->getShapeType())
+    {
+        case TRIANGLE_MESH_SHAPE_PROXYTYPE:
+        case MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE:
+            return static_cast<const btTriangleMeshShape*>(shape)->getMeshInterface();
+        case SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE:
+            return static_cast<const btScaledBvhTriangleMeshShape*>(shape)->getChildShape()->getMeshInterface();
+        default: return nullptr;
+    }
+}
+
+size_t CountIn(const btStridingMeshInterface& mesh)
+{
+    size_t count = 0;
+    for (int part = 0; part < mesh.getNumSubParts(); part++)
+    {
+        const unsigned char *vertices, *indices;
+        int vertexCount, stride, indexStride, faces;
+        PHY_ScalarType type, indexType;
+        mesh.getLockedReadOnlyVertexIndexBase(&vertices, vertexCount, type, stride, &indices, indexStride, faces,
+                                              indexType, part);
+        mesh.unLockReadOnlyVertexBase(part);
+        count += size_t(faces);
+    }
+    return count;
+}
+
+/// A box that all triangles of one of Bullet's own shapes are in, larger than rounding errors at its faces.
+void FindWholeBox(const btCollisionShape* shape, btVector3 box[2])
+{
+    shape->getAabb(btTransform::getIdentity(), box[0], box[1]);
+    const btVector3 slack = (box[1] - box[0]) * btScalar(0.01) + btVector3(1, 1, 1);
+    box[0] -= slack;
+    box[1] += slack;
+}
 } // namespace
 
 bool qcIsGImpactMesh(const btCollisionShape* shape)
@@ -106,6 +157,19 @@ uint64_t qcConvexRevision(const btConvexShape* shape)
     return hash;
 }
 
+size_t qcCountTriangles(const btCollisionShape* shape)
+{
+    if (const qcMeshShape* ours = qcAsMeshShape(shape))
+        return ours->getTriangleCount();
+    if (const btStridingMeshInterface* mesh = MeshOf(shape); mesh != nullptr)
+        return CountIn(*mesh);
+    btVector3 box[2];
+    FindWholeBox(shape, box);
+    Counter counter;
+    static_cast<const btConcaveShape*>(shape)->processAllTriangles(&counter, box[0], box[1]);
+    return counter.count;
+}
+
 qcMeshTriangles::qcMeshTriangles(const btCollisionShape* shape, const btVector3* box)
 {
     if (const qcMeshShape* ours = qcAsMeshShape(shape))
@@ -116,18 +180,27 @@ qcMeshTriangles::qcMeshTriangles(const btCollisionShape* shape, const btVector3*
         count = ours->getTriangleCount();
         return;
     }
-    btVector3 lower, upper;
-    shape->getAabb(btTransform::getIdentity(), lower, upper);
-    // Larger than rounding errors at the faces of the box.
-    btVector3 slack = (upper - lower) * btScalar(0.01) + btVector3(1, 1, 1);
-    bool whole = box == nullptr || shape->getShapeType() == GIMPACT_SHAPE_PROXYTYPE;
+    btVector3 wholeBox[2];
+    if (box == nullptr || shape->getShapeType() == GIMPACT_SHAPE_PROXYTYPE)
+    {
+        FindWholeBox(shape, wholeBox);
+        box = wholeBox;
+        if (const btStridingMeshInterface* mesh = MeshOf(shape); mesh != nullptr)
+            Reserve(CountIn(*mesh));
+    }
     Reader reader(&m_points, &m_indices, &sources);
-    static_cast<const btConcaveShape*>(shape)->processAllTriangles(&reader, whole ? lower - slack : box[0],
-                                                                   whole ? upper + slack : box[1]);
+    static_cast<const btConcaveShape*>(shape)->processAllTriangles(&reader, box[0], box[1]);
     points = m_points.data();
     pointCount = uint32_t(m_points.size());
     indices = m_indices.data();
     count = uint32_t(sources.size());
+}
+
+void qcMeshTriangles::Reserve(size_t triangleCount)
+{
+    m_points.reserve(3 * triangleCount);
+    m_indices.reserve(3 * triangleCount);
+    sources.reserve(triangleCount);
 }
 
 qcBodyDef qcMeshBodyDef(const btVector3* points, uint32_t pointCount, const uint32_t* indices, uint32_t triangleCount,

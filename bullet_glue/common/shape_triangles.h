@@ -37,6 +37,9 @@ uint64_t qcConvexRevision(const btConvexShape* shape);
 uint64_t qcMixScalar(uint64_t hash, btScalar value);
 uint64_t qcMixVector(uint64_t hash, const btVector3& vector);
 
+/// The number of triangles of a shape for which qcIsMesh is true. O(1) for the usual meshes, O(triangles) for others.
+size_t qcCountTriangles(const btCollisionShape* shape);
+
 /// The triangles of a shape, in its frame. Refers to the shape: valid while that stays as it is.
 class qcMeshTriangles
 {
@@ -54,6 +57,8 @@ class qcMeshTriangles
     std::vector<qcTriangleSource> sources;
 
   private:
+    void Reserve(size_t triangleCount);
+
     std::vector<btVector3> m_points;
     std::vector<uint32_t> m_indices;
 };

@@ -10,8 +10,7 @@ constexpr uint64_t s_keptSteps = 64;
 /// A mesh of Bullet's own shapes; null if it is not small.
 std::shared_ptr<const qcSupportMesh> ReadMesh(const btCollisionShape* shape)
 {
-    auto mesh = std::make_shared<const qcSupportMesh>(shape);
-    return qcSupportMesh::IsSmall(mesh->Triangles().count) ? mesh : nullptr;
+    return qcSupportMesh::IsSmall(qcCountTriangles(shape)) ? std::make_shared<const qcSupportMesh>(shape) : nullptr;
 }
 } // namespace
 

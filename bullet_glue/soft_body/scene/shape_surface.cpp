@@ -73,26 +73,6 @@ std::unique_ptr<qcMeshShape> MakePlaneMesh(const btStaticPlaneShape* plane, cons
     return mesh;
 }
 
-class TriangleCounter : public btTriangleCallback
-{
-  public:
-    void processTriangle(btVector3*, int, int) override
-    {
-        count++;
-    }
-
-    size_t count = 0;
-};
-
-bool IsTooLarge(const btConcaveShape* shape)
-{
-    btVector3 lower, upper;
-    shape->getAabb(btTransform::getIdentity(), lower, upper);
-    TriangleCounter counter;
-    shape->processAllTriangles(&counter, lower, upper);
-    return counter.count > s_maxTriangles;
-}
-
 /// Makes the mesh of a concave shape, or of its part in the region.
 void ReadConcave(const btConcaveShape* shape, qcShapeSurface* surface)
 {
@@ -141,7 +121,7 @@ std::shared_ptr<const qcShapeSurface> MakeSurface(const btCollisionShape* shape,
     else
     {
         const auto* concave = static_cast<const btConcaveShape*>(shape);
-        surface->isWhole = qcIsGImpactMesh(shape) || !IsTooLarge(concave);
+        surface->isWhole = qcIsGImpactMesh(shape) || qcCountTriangles(shape) <= s_maxTriangles;
         ReadConcave(concave, surface.get());
     }
     if (surface->mesh != nullptr && surface->mesh->getTriangleCount() == 0)

@@ -22,7 +22,7 @@ struct PropWorld : qcMeshWorld
     {
         world.setForceUpdateAllAabbs(start % 2 == 0);
         kinds = {Keep(qcBoxModel(btVector3(1, btScalar(0.05), 1), 1).MakeShape()), Keep(qcCubeModel(1).MakeShape()),
-                  Keep(qcSphereModel(0.6, 1).MakeShape()), StaticMesh(qcTorusModel(0.6, 0.2, 10, 6))};
+                 Keep(qcSphereModel(0.6, 1).MakeShape()), StaticMesh(qcTorusModel(0.6, 0.2, 10, 6))};
         farShape = Keep(qcCubeModel(1).MakeShape());
         Add(farShape, 0, btVector3(1000, 0, 0));
         for (int i = 0; i < s_props; i++)
@@ -100,6 +100,23 @@ struct PropWorld : qcMeshWorld
         }
     }
 };
+/// Counts how often its triangles are asked for.
+class AskedMesh : public btBvhTriangleMeshShape
+{
+  public:
+    explicit AskedMesh(btStridingMeshInterface* mesh) : btBvhTriangleMeshShape(mesh, true)
+    {
+    }
+
+    void processAllTriangles(btTriangleCallback* callback, const btVector3& lower,
+                             const btVector3& upper) const override
+    {
+        asked++;
+        btBvhTriangleMeshShape::processAllTriangles(callback, lower, upper);
+    }
+
+    mutable int asked = 0;
+};
 } // namespace
 
 START_TEST(what_rests_changes_nothing_for_the_others)
@@ -139,9 +156,32 @@ START_TEST(what_rests_changes_nothing_for_the_others)
 }
 END_TEST
 
+START_TEST(large_meshes_are_not_read_while_nothing_is_near)
+{
+    qcMeshWorld world;
+    auto* const ground = new AskedMesh(world.Interface(qcFloorModel(100, 100)));
+    btCollisionShape* const kept = world.Keep(std::unique_ptr<btCollisionShape>(ground));
+    auto* const scaled = new btScaledBvhTriangleMeshShape(ground, btVector3(2, 1, 2));
+    btRigidBody* const upper = world.Add(kept, 0, btVector3(0, -20, 0));
+    world.Add(world.Keep(std::unique_ptr<btCollisionShape>(scaled)), 0, btVector3(0, -40, 0));
+    btRigidBody* const cube = world.Add(world.Keep(qcCubeModel(1).MakeShape()), 1, btVector3(0, 0, 0));
+    world.Step(10);
+    ck_assert_int_eq(ground->asked, 0);
+    // It is read when the cube comes down to it, and holds it.
+    world.Step(230);
+    ck_assert_int_gt(ground->asked, 0);
+    ck_assert_double_eq_tol(double(cube->getWorldTransform().getOrigin().y()), -19.5, 0.05);
+    world.world.removeRigidBody(upper);
+    cube->activate();
+    world.Step(240);
+    ck_assert_double_eq_tol(double(cube->getWorldTransform().getOrigin().y()), -39.5, 0.05);
+}
+END_TEST
+
 QC_TEST_MAIN()
 {
     TCase* tests = qcMakeCase("resting_meshes");
+    tcase_add_test(tests, large_meshes_are_not_read_while_nothing_is_near);
     tcase_add_loop_test(tests, what_rests_changes_nothing_for_the_others, 0, 4);
     return qcRunCase("resting_meshes", tests);
 }
