@@ -41,8 +41,8 @@ void RunBlock(size_t index, uint32_t worker, void* context)
 
 uint32_t qcWorkersOf(unsigned threads)
 {
-    constexpr unsigned most = 256; // see qcSetParallelFor
-    return threads > 0 ? uint32_t(std::min(threads, most)) : qcGetWorkerCount();
+    constexpr unsigned maxThreads = 256; // see qcSetParallelFor
+    return threads > 0 ? uint32_t(std::min(threads, maxThreads)) : qcGetWorkerCount();
 }
 
 void qcForEach(uint32_t workers, size_t count, size_t block,

@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <cstdio>
 #include <cstring>
+#include <memory>
+#include <new>
 
 namespace
 {
@@ -16,19 +18,38 @@ struct Refused
     std::string reason;
 };
 
+struct FileCloser
+{
+    void operator()(std::FILE* file) const
+    {
+        std::fclose(file);
+    }
+};
+
+bool IsOfPieces(const std::vector<char>& bytes)
+{
+    const size_t size = sizeof qcPieceFileHeader::magic;
+    return bytes.size() >= size && std::memcmp(bytes.data(), QC_PIECE_FILE_MAGIC, size) == 0;
+}
+
+/// The whole file. One that is no file of pieces, however long, is refused by its start.
 std::vector<char> ReadFile(const char* path)
 {
-    std::FILE* file = std::fopen(path, "rb");
+    const std::unique_ptr<std::FILE, FileCloser> file(std::fopen(path, "rb"));
     if (file == nullptr)
         throw Refused{std::string("it can't be opened: ") + std::strerror(errno)};
     std::vector<char> bytes;
     char buffer[1 << 16];
-    for (size_t count; (count = std::fread(buffer, 1, sizeof buffer, file)) > 0;)
+    for (size_t count; (count = std::fread(buffer, 1, sizeof buffer, file.get())) > 0;)
+    {
         bytes.insert(bytes.end(), buffer, buffer + count);
-    int error = std::ferror(file) != 0 ? errno : 0;
-    std::fclose(file);
-    if (error != 0)
-        throw Refused{std::string("it can't be read: ") + std::strerror(error)};
+        if (!IsOfPieces(bytes))
+            break;
+    }
+    if (std::ferror(file.get()) != 0)
+        throw Refused{std::string("it can't be read: ") + std::strerror(errno)};
+    if (!IsOfPieces(bytes))
+        throw Refused{"it is no file of pieces"};
     return bytes;
 }
 
@@ -73,9 +94,6 @@ class Records
     explicit Records(std::vector<char> bytes) : m_bytes(std::move(bytes))
     {
         qcPieceFileHeader header;
-        if (m_bytes.size() < sizeof header.magic ||
-            std::memcmp(m_bytes.data(), QC_PIECE_FILE_MAGIC, sizeof header.magic) != 0)
-            throw Refused{"it is no file of pieces"};
         if (m_bytes.size() < sizeof header)
             throw Refused{"it ends within its header, at byte " + std::to_string(m_bytes.size())};
         std::memcpy(&header, m_bytes.data(), sizeof header);
@@ -248,5 +266,9 @@ qcFracture qcFracture_Load(const char* path)
     catch (const Refused& refused)
     {
         return FailLoad(qc_statusFile, std::string(path) + place + ": " + refused.reason);
+    }
+    catch (const std::bad_alloc&)
+    {
+        return FailLoad(qc_statusOutOfMemory, std::string(path) + ": out of memory");
     }
 }

@@ -22,11 +22,30 @@ qcDoubleVector PlaceOf(const qcPiece& piece, uint32_t vertex)
     return place;
 }
 
+/// The power of two just below the largest component, in which products neither overflow nor vanish; 1 for zeros.
+double UnitOf(std::initializer_list<qcDoubleVector> vectors)
+{
+    double largest = 0;
+    for (const qcDoubleVector& vector : vectors)
+        for (double component : vector)
+            largest = std::max(largest, std::fabs(component));
+    return largest > 0 && std::isfinite(largest) ? std::exp2(std::ilogb(largest)) : 1;
+}
+
+/// Exact where the unit is a power of two.
+qcDoubleVector InUnits(const qcDoubleVector& v, double unit)
+{
+    return {v[0] / unit, v[1] / unit, v[2] / unit};
+}
+
 /// The weights of a triangle's corners at the point nearest to `p`, or nearly so: outside it is drawn to an edge.
 btVector3 WeightsAt(const qcDoubleVector& p, const qcDoubleVector corners[3])
 {
     qcDoubleVector u = qcMinus(corners[1], corners[0]), v = qcMinus(corners[2], corners[0]);
-    qcDoubleVector w = qcMinus(p, corners[0]), normal = qcCrossOf(u, v);
+    const double unit = UnitOf({u, v});
+    u = InUnits(u, unit);
+    v = InUnits(v, unit);
+    qcDoubleVector w = InUnits(qcMinus(p, corners[0]), unit), normal = qcCrossOf(u, v);
     double square = qcDotOf(normal, normal), weights[3] = {1, 0, 0};
     if (square > 0 && std::isfinite(square))
     {
@@ -41,6 +60,8 @@ btVector3 WeightsAt(const qcDoubleVector& p, const qcDoubleVector corners[3])
 std::string FindDefect(const qcFractureDef& mesh, const qcPiece& piece)
 {
     size_t triangles = piece.indices.size() / 3, meshTriangles = mesh.indices.size() / 3;
+    if (mesh.vertices.empty())
+        return "the mesh has no vertices";
     if (piece.indices.size() % 3 != 0 || piece.sources.size() != triangles || piece.firstCutTriangle > triangles)
         return "the piece has " + std::to_string(piece.indices.size()) + " indices, " +
                std::to_string(piece.sources.size()) + " sources and " + std::to_string(piece.firstCutTriangle) +
@@ -92,12 +113,17 @@ struct CutPlane
 std::map<uint32_t, CutPlane> PlanesOf(const qcPiece& piece)
 {
     std::map<uint32_t, CutPlane> planes; // by the site on the other side
+    btVector3 size(0, 0, 0);
+    for (const btVector3& vertex : piece.vertices)
+        size.setMax(vertex.absolute());
+    const double unit = UnitOf({qcDoubleVectorOf(size)});
     for (size_t t = piece.firstCutTriangle; t < piece.sources.size(); t++)
     {
         qcDoubleVector corners[3];
         for (size_t c = 0; c < 3; c++)
             corners[c] = PlaceOf(piece, piece.indices[3 * t + c]);
-        qcDoubleVector cross = qcCrossOf(qcMinus(corners[1], corners[0]), qcMinus(corners[2], corners[0]));
+        const qcDoubleVector cross =
+            qcCrossOf(InUnits(qcMinus(corners[1], corners[0]), unit), InUnits(qcMinus(corners[2], corners[0]), unit));
         CutPlane& plane = planes[piece.sources[t]];
         for (size_t i = 0; i < 3; i++)
             plane.normal[i] += piece.site < piece.sources[t] ? cross[i] : -cross[i];

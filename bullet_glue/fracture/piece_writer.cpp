@@ -3,6 +3,7 @@
 
 #include "common/finite.h"
 
+#include <atomic>
 #include <cerrno>
 #include <cmath>
 #include <cstddef>
@@ -11,7 +12,6 @@
 #include <cstring>
 #include <fcntl.h>
 #include <filesystem>
-#include <sys/stat.h>
 #include <unistd.h>
 
 namespace
@@ -125,6 +125,23 @@ std::string FindDefect(const qcFracture& fracture)
     return "";
 }
 
+/// The end of a chain of symbolic links. Empty, with an error: there is none.
+std::filesystem::path FollowLinks(std::filesystem::path path, std::error_code* error)
+{
+    constexpr int maxLinks = 40; // the limit of Linux
+    for (int i = 0; i < maxLinks; i++)
+    {
+        if (!std::filesystem::is_symlink(std::filesystem::symlink_status(path, *error)))
+            return path;
+        const std::filesystem::path target = std::filesystem::read_symlink(path, *error);
+        if (*error)
+            return {};
+        path = path.parent_path() / target; // an absolute target stands alone
+    }
+    *error = std::make_error_code(std::errc::too_many_symbolic_link_levels);
+    return {};
+}
+
 /// A new file beside another one, which it replaces, or whose name it gets, when it is complete.
 class NewFile
 {
@@ -135,18 +152,21 @@ class NewFile
         std::error_code error;
         const std::filesystem::file_status old = std::filesystem::status(path, error);
         m_isDirect = std::filesystem::exists(old) && !std::filesystem::is_regular_file(old);
-        m_target = m_isDirect ? path : std::filesystem::weakly_canonical(path, error).string();
-        m_name = m_isDirect ? path : m_target + ".XXXXXX";
-        const int descriptor = m_isDirect ? open(path.c_str(), O_WRONLY) : mkstemp(&m_name[0]);
-        m_stream = descriptor >= 0 ? fdopen(descriptor, "wb") : nullptr;
-        m_isNamed = m_isDirect || descriptor < 0;
-        if (m_isNamed)
+        if (m_isDirect)
+        {
+            m_name = path;
+            OpenStream(open(path.c_str(), O_WRONLY | O_CLOEXEC));
             return;
-        // mkstemp lets nobody else read.
-        const mode_t mask = umask(0);
-        umask(mask);
-        std::filesystem::permissions(
-            m_name, std::filesystem::exists(old) ? old.permissions() : std::filesystem::perms(0666 & ~mask), error);
+        }
+        m_target = FollowLinks(path, &error).string();
+        if (m_target.empty())
+        {
+            m_error = error.value();
+            return;
+        }
+        OpenStream(Create());
+        if (m_stream != nullptr && std::filesystem::exists(old))
+            std::filesystem::permissions(m_name, old.permissions(), error);
     }
 
     NewFile(const NewFile&) = delete;
@@ -156,13 +176,19 @@ class NewFile
     {
         if (m_stream != nullptr)
             std::fclose(m_stream);
-        if (!m_isNamed)
+        if (m_isTemporary)
             std::remove(m_name.c_str());
     }
 
     bool IsOpen() const
     {
         return m_stream != nullptr;
+    }
+
+    /// Why it is not open: a number of errno.
+    int GetError() const
+    {
+        return m_error;
     }
 
     /// False, with errno: the old file is as it was.
@@ -173,17 +199,40 @@ class NewFile
         // Some file systems report a full disk here only.
         const bool isClosed = std::fclose(m_stream) == 0;
         m_stream = nullptr;
-        if (!isClosed || m_isNamed)
+        if (!isClosed || m_isDirect)
             return isClosed;
-        m_isNamed = std::rename(m_name.c_str(), m_target.c_str()) == 0;
-        return m_isNamed;
+        m_isTemporary = std::rename(m_name.c_str(), m_target.c_str()) != 0;
+        return !m_isTemporary;
     }
 
   private:
+    /// A new file beside the target, with the permissions that files of this process get.
+    int Create()
+    {
+        static std::atomic<unsigned> s_last{0};
+        int descriptor;
+        do
+        {
+            m_name = m_target + "." + std::to_string(getpid()) + "." + std::to_string(++s_last);
+            descriptor = open(m_name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        } while (descriptor < 0 && errno == EEXIST);
+        m_isTemporary = descriptor >= 0;
+        return descriptor;
+    }
+
+    void OpenStream(int descriptor)
+    {
+        m_stream = descriptor >= 0 ? fdopen(descriptor, "wb") : nullptr;
+        m_error = m_stream == nullptr ? errno : 0;
+        if (m_stream == nullptr && descriptor >= 0)
+            close(descriptor);
+    }
+
     std::string m_target, m_name;
-    std::FILE* m_stream;
+    std::FILE* m_stream = nullptr;
+    int m_error = 0;
     bool m_isDirect;
-    bool m_isNamed; ///< nothing is to be removed
+    bool m_isTemporary = false; ///< the file m_name is to be removed
 };
 
 /// The reason why the file could not be written, or an empty text.
@@ -191,7 +240,7 @@ std::string WriteFile(const char* path, const std::vector<char>& bytes)
 {
     NewFile file(path);
     if (!file.IsOpen())
-        return std::string(path) + " can't be created: " + std::strerror(errno);
+        return std::string(path) + " can't be created: " + std::strerror(file.GetError());
     return file.Write(bytes) ? "" : std::string(path) + " can't be written: " + std::strerror(errno);
 }
 } // namespace

@@ -13,16 +13,16 @@ namespace
 {
 constexpr uint32_t s_none = UINT32_MAX;
 // Meshes that are not indexed yet are looked through one by one: so many, and a share of all.
-constexpr size_t s_mostLoose = 64, s_looseShare = 8;
+constexpr size_t s_maxLoose = 64, s_looseShare = 8;
 // Extents are sorted by powers of two between these.
-constexpr int s_leastExponent = -20, s_mostExponent = 20;
+constexpr int s_minExponent = -20, s_maxExponent = 20;
 
 /// Meshes of about one extent: those that may reach a place along x are next to each other.
 size_t WidthClassOf(const btVector3& lower, const btVector3& upper)
 {
     int exponent;
     std::frexp(double(upper.x() - lower.x()), &exponent);
-    return size_t(std::min(std::max(exponent, s_leastExponent), s_mostExponent) - s_leastExponent);
+    return size_t(std::min(std::max(exponent, s_minExponent), s_maxExponent) - s_minExponent);
 }
 } // namespace
 
@@ -167,11 +167,11 @@ void qcRestingMeshes::RemoveForgotten()
 /// Indexes meshes that have come since the last call, once they are many.
 void qcRestingMeshes::IndexLoose()
 {
-    if (m_forgottenCount > s_mostLoose && m_forgottenCount > m_meshes.size() / 2)
+    if (m_forgottenCount > s_maxLoose && m_forgottenCount > m_meshes.size() / 2)
         RemoveForgotten();
-    if (m_meshes.size() - m_indexedCount <= std::max(s_mostLoose, m_indexedCount / s_looseShare))
+    if (m_meshes.size() - m_indexedCount <= std::max(s_maxLoose, m_indexedCount / s_looseShare))
         return;
-    m_byWidth.resize(size_t(s_mostExponent - s_leastExponent) + 1);
+    m_byWidth.resize(size_t(s_maxExponent - s_minExponent) + 1);
     for (; m_indexedCount < m_meshes.size(); m_indexedCount++)
     {
         const Mesh& mesh = m_meshes[m_indexedCount];
@@ -197,7 +197,7 @@ void qcRestingMeshes::WakeNear(const btVector3& lower, const btVector3& upper, O
     {
         const std::vector<Entry>& entries = m_byWidth[i];
         const bool isUnbounded = i + 1 == m_byWidth.size();
-        const double widest = isUnbounded ? HUGE_VAL : std::ldexp(1, int(i) + s_leastExponent);
+        const double widest = isUnbounded ? HUGE_VAL : std::ldexp(1, int(i) + s_minExponent);
         auto isBefore = [](const Entry& entry, double x) { return double(entry.lower) < x; };
         auto next = std::lower_bound(entries.begin(), entries.end(), double(lower.x()) - widest, isBefore);
         for (; next != entries.end() && next->lower <= upper.x(); ++next)

@@ -291,12 +291,38 @@ void qcMeshShape::setLocalScaling(const btVector3& scaling)
     Implementation& my = *m_implementation;
     if (scaling == my.scaling)
         return;
+    if (!qcIsFinite(scaling))
+    {
+        my.status = qcFail(qc_statusBadInput, "qcMeshShape::setLocalScaling: the scaling is not finite");
+        return;
+    }
+    const std::vector<btVector3>& unscaled = my.unscaled.empty() ? my.points : my.unscaled;
+    std::vector<btVector3> scaled;
+    scaled.reserve(unscaled.size());
+    for (const btVector3& point : unscaled)
+    {
+        scaled.push_back(point * scaling);
+        if (!qcIsFinite(scaled.back()))
+        {
+            my.status = qcFail(qc_statusBadInput, "qcMeshShape::setLocalScaling: vertex %zu would not be finite",
+                               scaled.size() - 1);
+            return;
+        }
+    }
     if (my.unscaled.empty())
-        my.unscaled = my.points;
-    for (size_t i = 0; i < my.points.size(); i++)
-        my.points[i] = my.unscaled[i] * scaling;
+        my.unscaled.swap(my.points);
+    my.points.swap(scaled);
     my.scaling = scaling;
     my.Update();
+}
+
+void qcMeshShape::setMargin(btScalar margin)
+{
+    if (margin >= 0 && std::isfinite(margin))
+        m_collisionMargin = margin;
+    else
+        m_implementation->status =
+            qcFail(qc_statusBadInput, "qcMeshShape::setMargin: %g is negative or not finite", double(margin));
 }
 
 const btVector3& qcMeshShape::getLocalScaling() const

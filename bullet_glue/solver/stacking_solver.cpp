@@ -144,6 +144,7 @@ qcStackingSolver::~qcStackingSolver() = default;
 
 void qcStackingSolver::reserveContacts(int points)
 {
+    points = std::min(points, std::numeric_limits<int>::max() / 3);
     auto reserve = [](btConstraintArray& rows, int count)
     {
         if (count <= rows.capacity())

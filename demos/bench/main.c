@@ -103,8 +103,7 @@ int main(int argumentCount, char** arguments)
 {
     static const struct argp parser = {NULL, ReadOption, "BENCHMARK [OPTION...]", s_help, NULL, NULL, NULL};
     Choice choice = {NULL, 0};
-    argp_err_exit_status = qc_exitUsage;
-    qcCommandLine_OfferVersion();
+    qcCommandLine_Begin(arguments);
     argp_parse(&parser, argumentCount, arguments, ARGP_IN_ORDER, NULL, &choice);
     arguments[choice.first] = choice.benchmark->called;
     return (int)choice.benchmark->run(argumentCount - choice.first, arguments + choice.first);

@@ -159,7 +159,7 @@ int Run(const Options& options, qcDevice* device)
     qcBreakingRun run;
     std::string message;
     if (!LoadModel(options, &model, &run))
-        return qc_exitFailed;
+        return qc_exitBadInput;
     Demo demo(options, model, device);
     if (!demo.Simulate(&run))
         return qc_exitFailed;
@@ -179,7 +179,7 @@ int View(const Options& options, qcDevice* device)
     qcBreakingModel model;
     qcBreakingRun run;
     if (!LoadModel(options, &model, &run))
-        return qc_exitFailed;
+        return qc_exitBadInput;
     qcViewedBreaking scene(model, options.common.method, options.common.threads, device);
     return qcView_Run(&scene, options.view, device);
 }

@@ -434,16 +434,7 @@ bool qcBreakingWorld::Step(qcBreakingStep* step, std::string* message)
     NoteBlow();
     step->costs.Move(qc_costRest, qc_costBreak, m_breakMs);
     for (const qcMeshContactStatistics& query : m_queries)
-    {
-        step->costs.Move(qc_costManifolds, qc_costGather, query.gatherMs);
-        step->costs.Move(qc_costManifolds, qc_costAhead, query.aheadMs);
-        step->costs.Move(qc_costManifolds, qc_costCull, query.cullMs);
-        step->costs.Move(qc_costManifolds, qc_costSweep, query.sweepMs);
-        step->costs.Move(qc_costManifolds, qc_costExact, query.exactMs);
-        step->costs.Move(qc_costManifolds, qc_costPoints, query.manifoldMs);
-        step->costs.Move(qc_costManifolds, qc_costOther,
-                         query.detectMs - query.cullMs - query.sweepMs - query.exactMs - query.manifoldMs);
-    }
+        step->costs.MoveQuery(query);
     const qcMeshContactStatistics& statistics = m_meshContact.getStatistics();
     step->method = statistics.method;
     step->fallback = statistics.fallback;

@@ -14,6 +14,18 @@ enum
     qc_notFound = 127 // the exit status of a shell
 };
 
+/// True if the folder is there now; otherwise see errno.
+static bool MakeOne(const char* folder)
+{
+    if (mkdir(folder, 0777) == 0)
+        return true;
+    struct stat status;
+    if (errno != EEXIST || stat(folder, &status) != 0)
+        return false;
+    errno = ENOTDIR;
+    return S_ISDIR(status.st_mode);
+}
+
 bool qcFiles_MakeFolder(const char* path, qcMessage* message)
 {
     char* part = strdup(path);
@@ -26,7 +38,7 @@ bool qcFiles_MakeFolder(const char* path, qcMessage* message)
             continue;
         char rest = *end;
         *end = 0;
-        made = mkdir(part, 0777) == 0 || errno == EEXIST || qcMessage_Fail(message, "%s: %s", part, strerror(errno));
+        made = MakeOne(part) || qcMessage_Fail(message, "%s: %s", part, strerror(errno));
         *end = rest;
         if (rest == 0)
             break;

@@ -9,6 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum
 {
@@ -318,9 +319,30 @@ static void PrintVersion(FILE* stream, struct argp_state* state)
     fprintf(stream, "%s %u.%u.%u\n", state->name, version / 10000, version / 100 % 100, version % 100);
 }
 
-void qcCommandLine_OfferVersion(void)
+static void CheckStandardOutput(int status, void* unused)
 {
+    (void)unused;
+    errno = 0;
+    if (fflush(stdout) == 0 && ferror(stdout) == 0)
+        return;
+    fprintf(stderr, "%s: standard output: %s\n", program_invocation_short_name,
+            errno != 0 ? strerror(errno) : "not all of it could be written");
+    if (status == qc_exitDone)
+        _exit(qc_exitFailed);
+}
+
+void qcCommandLine_Begin(char** arguments)
+{
+    // getopt's messages begin with it.
+    char* slash = strrchr(arguments[0], '/');
+    if (slash != NULL)
+        arguments[0] = slash + 1;
+    argp_err_exit_status = qc_exitUsage;
     argp_program_version_hook = PrintVersion;
+    static bool s_isChecked = false;
+    if (!s_isChecked)
+        on_exit(CheckStandardOutput, NULL);
+    s_isChecked = true;
 }
 
 void qcCommandLine_Parse(qcCommandLine* commandLine, int argumentCount, char** arguments)
@@ -339,8 +361,7 @@ void qcCommandLine_Parse(qcCommandLine* commandLine, int argumentCount, char** a
                                           .group = row->group};
     }
     struct argp parser = {options, ReadOption, commandLine->arguments, commandLine->help, NULL, WriteDefault, NULL};
-    argp_err_exit_status = qc_exitUsage;
-    qcCommandLine_OfferVersion();
+    qcCommandLine_Begin(arguments);
     Parse parse = {.line = commandLine};
     argp_parse(&parser, argumentCount, arguments, 0, NULL, &parse);
 }

@@ -100,8 +100,9 @@ typedef struct qcCommandLine
     void* context;
 } qcCommandLine;
 
-/// Has argp answer --version. qcCommandLine_Parse does it, too.
-void qcCommandLine_OfferVersion(void);
+/// What all programs have in common: --version, messages that begin with the program's name, and an end with
+/// qc_exitFailed and a message where standard output could not be written. qcCommandLine_Parse calls it.
+void qcCommandLine_Begin(char** arguments);
 /// Ends the program after --help, after --version and on a mistake.
 void qcCommandLine_Parse(qcCommandLine* commandLine, int argumentCount, char** arguments);
 

@@ -233,14 +233,6 @@ bool qcOutput_IsSame(const char* path, const char* other)
     return isSame;
 }
 
-bool qcOutput_FlushStandard(qcMessage* message)
-{
-    errno = 0;
-    if (fflush(stdout) != 0 || ferror(stdout))
-        return qcMessage_Fail(message, "standard output: %s", errno != 0 ? strerror(errno) : "not written");
-    return true;
-}
-
 void qcOutput_Abort(qcOutput* output)
 {
     Close(output);

@@ -36,9 +36,6 @@ void qcOutput_Abort(qcOutput* output);
 /// True if both paths are of one regular file, or would be of one where it is not there yet.
 bool qcOutput_IsSame(const char* path, const char* other);
 
-/// Writes what standard output still holds. False: not all of it could be written.
-bool qcOutput_FlushStandard(qcMessage* message);
-
 #ifdef __cplusplus
 }
 #endif

@@ -161,7 +161,11 @@ int main(int argumentCount, char** arguments)
         {1, "triangles", "N", "The mesh is made coarser until it has about as many; %s by default",
          qcOption_Number(&options.triangles, 100, 10000000)},
         {1, "save", "FILE", "The pieces go to a file when they are cut", qcOption_Text(&options.request.save)},
-        {1, "load", "FILE", "The pieces come from a file; then there is nothing to cut", qcOption_Text(&options.load)},
+        {1, "load", "FILE",
+         "The pieces come from a file of --save, made of the same --mesh with the same --triangles; there is nothing "
+         "to "
+         "cut then, and --pieces and --seed have no effect",
+         qcOption_Text(&options.load)},
         {1, "pieces", "N", "Voronoi cells, each with a piece or more; %s by default",
          qcOption_Number(&options.request.pieces, 1, 10000)},
         {1, "seed", "N", "Where the cells are; %s by default", qcOption_Number(&options.request.seed, 0, UINT32_MAX)},

@@ -9,7 +9,8 @@ bool qcLoadPieces(const char* path, size_t triangleCount, qcFracture* fracture, 
     *message = fracture->message;
     if (fracture->status == qc_statusOk && fracture->triangleCount != triangleCount)
         *message = std::string(path) + " has the pieces of a mesh of " + std::to_string(fracture->triangleCount) +
-                   " triangles, not of " + std::to_string(triangleCount);
+                   " triangles, not of " + std::to_string(triangleCount) +
+                   ": give the --mesh and --triangles that it was made with";
     return message->empty();
 }
 

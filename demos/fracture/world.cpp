@@ -215,16 +215,7 @@ bool qcFractureWorld::Step(qcFractureStep* step, std::string* message)
     if (step->breaks)
         step->costs.Move(qc_costRest, qc_costBreak, m_break.sitesMs + m_break.splitMs + m_break.bodiesMs);
     for (const qcMeshContactStatistics& query : m_queries)
-    {
-        step->costs.Move(qc_costManifolds, qc_costGather, query.gatherMs);
-        step->costs.Move(qc_costManifolds, qc_costAhead, query.aheadMs);
-        step->costs.Move(qc_costManifolds, qc_costCull, query.cullMs);
-        step->costs.Move(qc_costManifolds, qc_costSweep, query.sweepMs);
-        step->costs.Move(qc_costManifolds, qc_costExact, query.exactMs);
-        step->costs.Move(qc_costManifolds, qc_costPoints, query.manifoldMs);
-        step->costs.Move(qc_costManifolds, qc_costOther,
-                         query.detectMs - query.cullMs - query.sweepMs - query.exactMs - query.manifoldMs);
-    }
+        step->costs.MoveQuery(query);
     const qcMeshContactStatistics& statistics = m_meshContact.getStatistics();
     step->method = statistics.method;
     step->fallback = statistics.fallback;

@@ -119,12 +119,6 @@ int main(int argumentCount, char** arguments)
     qcInterrupt_Watch();
     qcMessage message = {""};
     qcExitStatus ending = Run(&options, &message);
-    qcMessage failure = {""};
-    if (!qcOutput_FlushStandard(&failure))
-    {
-        message = failure;
-        ending = qc_exitFailed;
-    }
     if (message.text[0] != 0)
         fprintf(stderr, "%s: %s\n", program_invocation_short_name, message.text);
     return (int)ending;

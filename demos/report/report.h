@@ -42,8 +42,8 @@ typedef struct qcReport
 } qcReport;
 
 /// The known parts and all files of a folder of results: FOLDER/NAME/ and FOLDER/bench/NAME.*, FOLDER/bench/NAME_*. A
-/// picture stands for the same one of another format, and three stand for a series of numbered frames. False: the folder
-/// can't be read.
+/// picture stands for the same one of another format, and three stand for a series of numbered frames. False: the
+/// folder can't be read.
 bool qcReport_Collect(const char* folder, qcReport* report, qcMessage* message);
 void qcReport_Free(qcReport* report);
 

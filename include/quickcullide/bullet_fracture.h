@@ -164,8 +164,8 @@ QC_API qcStatus qcFracture_Save(const qcFracture& fracture, const char* path, st
 
 /// Reads a file of qcFracture_Save, bit by bit what was saved; between float and double the numbers are rounded.
 /// qc_statusFile: it is missing, not such a file, of another version or damaged, and there are no pieces; the message
-/// names the file, the record and the byte. No file, however damaged, crashes the program. qc_statusBadInput: the path
-/// is null. O(size).
+/// names the file, the record and the byte. No file, however damaged, crashes the program. qc_statusOutOfMemory: it has
+/// no room in memory. qc_statusBadInput: the path is null. O(size).
 QC_API qcFracture qcFracture_Load(const char* path);
 /// @}
 

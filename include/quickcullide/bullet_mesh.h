@@ -85,7 +85,8 @@ ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
     qcMeshShape& operator=(const qcMeshShape&) = delete;
 
     /// qc_statusBadInput, and the mesh is empty: an index was out of range, a position not finite, a pointer null
-    /// although its count is not 0, or the stride less than a position. After the constructor qcLastMessage names it.
+    /// although its count is not 0, or the stride less than a position. Also, and the mesh stays as it is: a scaling or
+    /// a margin was refused. qcLastMessage then names it.
     qcStatus getStatus() const;
 
     uint32_t getVertexCount() const;   ///< the number of vertices
@@ -110,10 +111,12 @@ ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
 
     /// The box around the transformed mesh, margin included.
     void getAabb(const btTransform& transform, btVector3& aabbMin, btVector3& aabbMax) const override;
-    /// Scales the mesh, O(n).
+    /// Scales the mesh, O(n). Nothing changes but the status (qc_statusBadInput) if a position would not be finite.
     void setLocalScaling(const btVector3& scaling) override;
-    const btVector3& getLocalScaling() const override; ///< the scaling; (1, 1, 1) by default
-    const char* getName() const override;              ///< "QCMESH"
+    const btVector3& getLocalScaling() const override; ///< (1, 1, 1) by default
+    /// Likewise if the margin is negative or not finite.
+    void setMargin(btScalar margin) override;
+    const char* getName() const override; ///< "QCMESH"
 
     /// Reports every triangle whose box overlaps the closed box. A btTriangleRaycastCallback or
     /// btTriangleConvexcastCallback receives only triangles that its ray or shape may still hit, nearer ones first, as
@@ -240,10 +243,11 @@ struct qcMeshContactStatistics
 /// debugDrawWorld draws qcMeshShapes like any concave shape (DBG_DrawWireframe, DBG_DrawAabb) and their contact points
 /// (DBG_DrawContactPoints); debugDraw draws the triangles that the culling left.
 ///
-/// Profile zones (BT_PROFILE), at the first pair of a step: "qcMeshContact batch", and in it "qcMeshContact gather",
-/// "qcMeshContact look ahead" and, where no plane separates a pair, "qcMeshContact detect"; at each pair "qcMeshContact
-/// manifolds"; at a pair computed alone "qcMeshContact query"; at the end of a step in which a mesh has moved
-/// "qcMeshContact limit". Within are the stages of each query: see qcDetectDef::enterStage.
+/// Profile zones (BT_PROFILE), at the first pair of a step: "qcMeshContact batch", and in it "qcMeshContact planes"
+/// between small meshes, "qcMeshContact gather", "qcMeshContact look ahead" and, where no plane separates a pair,
+/// "qcMeshContact detect"; at each pair "qcMeshContact manifolds"; at a pair computed alone "qcMeshContact query"; at
+/// the end of a step in which a mesh has moved "qcMeshContact limit". Within are the stages of each query: see
+/// qcDetectDef::enterStage.
 ///
 /// Must outlive the world. Thread-safety: the algorithms may run on several threads at once; the functions below belong
 /// to the world's thread.

@@ -119,10 +119,10 @@ struct qcSoftBodyStatistics
 /// qcDeformableWorld): contact moves the joints by their inertia alone, and Bullet solves their limits, motors and all
 /// other constraints in the next step. Triangles with an anchored node don't collide with the body of the anchor.
 /// - Boxes and polyhedra have their own faces. Spheres, capsules, cylinders, cones and any other convex shape have
-///   triangles around them that are at most half the surface's margin away or, at the limit of 4096, a hundredth of
-///   their size. Static triangle meshes, btGImpactMeshShape and terrains have theirs; of planes, and of meshes with
-///   more than a million triangles, what lies near soft bodies. Triangles are made when a soft body first comes near
-///   and kept; see updateShape.
+///   triangles around them that are at most half the surface's margin away or, at the limit of 4096, a 400th of the
+///   radius (round shapes) or a 100th of the half extent (others). Static triangle meshes, btGImpactMeshShape and
+///   terrains have theirs; of planes, and of meshes with more than a million triangles, what lies near soft bodies.
+///   Triangles are made when a soft body first comes near and kept; see updateShape.
 /// - The margin of a surface: Bullet's, where the shape proper lies inside of it (polyhedra, cones, meshes), but at
 ///   least that of a qcMeshShape; otherwise 1 cm, at most an eighth of the smallest half extent.
 /// - Bullet's own tests, of nodes or clusters, stay for bodies with qcSoftBodySettings::bulletNodeContacts or
@@ -158,12 +158,13 @@ struct qcSoftBodyStatistics
 /// - gContactDestroyedCallback for each point with user data, when its manifold is released.
 /// The first and the third may add and remove bodies, the others must not.
 ///
-/// Profile zones (BT_PROFILE): "qcSoftBodyContact gather", then "qcSoftBodyContact resolve" and in it
-/// "qcSoftBodyContact sweep" of nodes, "qcSoftBodyContact untangle", "qcSoftBodyContact round" for each round,
-/// "qcSoftBodyContact push apart", "qcSoftBodyContact move zones" and "qcSoftBodyContact move guided" if rounds did not
-/// suffice, and in these
-/// "qcSoftBodyContact detect", "qcSoftBodyContact manifolds" and "qcSoftBodyContact respond"; last "qcSoftBodyContact
-/// callbacks". Within "detect" are the stages of the query: see qcDetectDef::enterStage.
+/// Profile zones (BT_PROFILE): "qcSoftBodyContact elastic contacts", in the deformable world within Bullet's solver;
+/// "qcSoftBodyContact gather", then "qcSoftBodyContact resolve" and in it "qcSoftBodyContact sweep" of nodes,
+/// "qcSoftBodyContact untangle", "qcSoftBodyContact round" for each round, "qcSoftBodyContact push apart",
+/// "qcSoftBodyContact move zones" and "qcSoftBodyContact move guided" if rounds did not suffice, and in these
+/// "qcSoftBodyContact detect", "qcSoftBodyContact certify", "qcSoftBodyContact manifolds" and "qcSoftBodyContact
+/// respond"; last "qcSoftBodyContact callbacks". Within "detect" and "certify" are the stages of the query: see
+/// qcDetectDef::enterStage.
 ///
 /// Cost: one run of qcScene_Detect in a step without contacts where no node moves by half the thickness, two else, a
 /// few more if these don't suffice. A body with `continuous` off has no second one. Thread-safety: as the world's.

@@ -42,8 +42,8 @@ ATTRIBUTE_ALIGNED16(class) QC_API qcStackingSolver : public btSequentialImpulseC
 
     /// Makes room for the contact points of a step, those of all manifolds: without it the solver's arrays grow, and
     /// are copied, in the step in which a body breaks into hundreds. Call it between steps, once for each solver of a
-    /// btConstraintSolverPoolMt. Room is never given back. About 1 KB a point, 2 KB in double precision. 0 or less:
-    /// nothing happens.
+    /// btConstraintSolverPoolMt. Room is never given back. About 1 KB a point, 2 KB in double precision: Bullet's
+    /// arrays crash if there is no memory. 0 or less: nothing happens.
     void reserveContacts(int points);
 
   protected:

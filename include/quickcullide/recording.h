@@ -22,9 +22,10 @@ extern "C" {
 /// the scene has. Null ends the recording and closes the file, as does qcScene_Destroy. A recording that runs already
 /// is closed first.
 ///
-/// A recording changes nothing else: where a later write fails, or memory runs out, it stops with one line to
-/// qcSetLog, and the scene goes on. Ended with null, the call then returns qc_statusFile or qc_statusOutOfMemory with
-/// the reason. What was written until then can be replayed, and so can the file of a program that crashed.
+/// A recording changes nothing else: where a later write fails, memory runs out, or positions can't be read back from
+/// the device, it stops with one line to qcSetLog, and the scene goes on. Ended with null, the call then returns
+/// qc_statusFile, qc_statusOutOfMemory or qc_statusDevice with the reason. What was written until then can be
+/// replayed, and so can the file of a program that crashed.
 ///
 /// Only calls that succeed are recorded, and every qcScene_Detect with a valid definition. A pair filter is not called
 /// in a replay; the pairs of bodies that it rejected are recorded. Equal calls give equal bytes.

@@ -253,7 +253,9 @@ typedef struct qcDetectDef
     bool neighbours;  ///< test pairs of triangles within a body that share a vertex index, too
     bool segments;    ///< compute the intersection segment of each penetrating pair
     bool proximities; ///< compute closest points, distance and depth of each reported pair
-    bool manifolds;   ///< merge the reported pairs of two bodies, or of one with itself, into contact points
+    /// Merge the reported pairs of two bodies, or of one with itself, into contact points. More than 2^28 pairs are
+    /// refused: qc_statusOutOfMemory.
+    bool manifolds;
     /// Report contacts between features (vertex and face, edge and edge) at this distance or nearer, finite, in scene
     /// units. 0: no contacts. Not available with `cullide` and `quick`.
     double contactMargin;
@@ -305,8 +307,9 @@ typedef struct qcDetectDef
     /// Margins, segments and manifolds are refused; so are `cullide` and `quick`. `layers` leaves it to `sweep`.
     bool motion;
     /// For a profiler: called on the thread that runs the step where a stage of the step begins, with its name
-    /// ("qcScene cull bodies", "sweep bodies", "cull triangles", "sweep triangles", "exact", "manifolds"; static), and
-    /// where it ends. Stages don't nest. Both or none; they must not call functions of the scene.
+    /// (static: "qcScene cull bodies", "qcScene sweep bodies", "qcScene cull triangles", "qcScene sweep triangles",
+    /// "qcScene exact", "qcScene manifolds"), and where it ends. Stages don't nest. Both or none; they must not call
+    /// functions of the scene.
     void (*enterStage)(const char* name);
     void (*leaveStage)(void); ///< see enterStage
     bool candidates;          ///< report qcResult::candidates
@@ -548,7 +551,7 @@ typedef struct qcProfile
     uint32_t selfBodies;     ///< bodies tested with themselves
     uint32_t trianglePcs;    ///< triangles left before the search for pairs of triangles
     uint64_t candidates;     ///< candidate pairs of triangles
-    uint64_t filterHits;     ///< candidates that single precision proved to penetrate
+    uint64_t filterHits;     ///< candidates that single precision proved near or penetrating
     uint64_t exactFallbacks; ///< candidates that double precision could not decide
     uint64_t pairs;          ///< pairs reported
     uint64_t contacts;       ///< feature contacts reported
@@ -568,7 +571,7 @@ typedef struct qcProfile
     /// All parts of the step of `layers`, in order, also those that did not run: prepare (with new vertices), hand-over
     /// (to the device's thread), upload, vertices (and empty lists), boxes, nodes, node pairs, triangle pairs, wait
     /// (for the device), hand-back, refine (on the CPU). All belong to cullTrianglesMs. Empty unless
-    /// qcDetectDef::layerTimes is set. Valid as long as the result.
+    /// qcDetectDef::layerTimes is set and something has changed since the last step. Valid as long as the result.
     const qcLayerTime* layerTimes;
     size_t layerTimeCount;      ///< number of layerTimes
     bool softwareDevice;        ///< the device draws on the CPU

@@ -9,7 +9,7 @@
 enum
 {
     // The BVH of a body takes 4 KB at least. The boxes of so few triangles are as quickly found by a sweep.
-    qc_mostSweptTriangles = 8
+    qc_maxSweptTriangles = 8
 };
 
 /// Marks islands for the device. `start`: when the stage began.
@@ -80,7 +80,7 @@ qcStatus qcIslandRouting_PrepareBvhs(const qcStep* step, const qcBvhCandidatesJo
     {
         // Bodies without an island need no BVH.
         qcIslands_KeepWhole(&routing->islands, onBvhs);
-        qcIslands_LeaveSmall(&routing->islands, triangles, qc_mostSweptTriangles, onBvhs);
+        qcIslands_LeaveSmall(&routing->islands, triangles, qc_maxSweptTriangles, onBvhs);
         for (uint32_t body = 0; body < bodyCount; body++)
             either[body] = onBvhs[body] || neighbours[body];
         QC_TRY(qcBvhCandidates_Prepare(job, bvhs, either));

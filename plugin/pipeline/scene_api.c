@@ -149,13 +149,17 @@ qcStatus qcScene_SetVertices(qcScene* scene, qcBodyId id, const void* positions,
     return status;
 }
 
-/// A recording has the positions as those of qcScene_SetVertices.
-static qcStatus RecordVertexBuffer(qcScene* scene, const qcBody* body, uint32_t slot)
+/// A recording has the positions as those of qcScene_SetVertices, and stops where they can't be read back.
+static void RecordVertexBuffer(qcScene* scene, const qcBody* body, uint32_t slot)
 {
+    if (scene->recorder == NULL)
+        return;
     uint64_t bytes = 0;
-    QC_TRY(qcVertexBuffers_Complete(body, slot, &bytes));
-    RECORD(scene, SetVertices, slot, body->world, qc_positionF64, 0, body->vertexCount);
-    return qc_statusOk;
+    qcStatus status = qcVertexBuffers_Complete(body, slot, &bytes);
+    if (status == qc_statusOk)
+        qcSceneRecorder_SetVertices(scene->recorder, slot, body->world, qc_positionF64, 0, body->vertexCount);
+    else
+        qcSceneRecorder_Stop(scene->recorder, status);
 }
 
 qcStatus qcScene_SetVertexBuffer(qcScene* scene, qcBodyId id, const qcVertexBufferDef* def)
@@ -169,8 +173,8 @@ qcStatus qcScene_SetVertexBuffer(qcScene* scene, qcBodyId id, const qcVertexBuff
         return qcFail(qc_statusBadInput, "qcScene_SetVertexBuffer: body %u is rigid; give it a transform", id.slot);
     qcFloatMode mode = qcFloatMode_Begin();
     status = qcVertexBuffers_Set(&scene->bodies, id.slot, scene->device, def);
-    if (status == qc_statusOk && scene->recorder != NULL)
-        status = RecordVertexBuffer(scene, body, id.slot);
+    if (status == qc_statusOk)
+        RecordVertexBuffer(scene, body, id.slot);
     qcFloatMode_End(mode);
     return status;
 }

@@ -101,6 +101,11 @@ qcSceneRecorder* qcSceneRecorder_OpenFromEnvironment(qcDevice* device)
     return recorder;
 }
 
+void qcSceneRecorder_Stop(qcSceneRecorder* recorder, qcStatus status)
+{
+    qcRecordWriter_Stop(&recorder->writer, status, "%s", qcLastMessage());
+}
+
 qcStatus qcSceneRecorder_Close(qcSceneRecorder* recorder)
 {
     if (recorder == NULL)

@@ -14,6 +14,8 @@ qcStatus qcSceneRecorder_Open(const char* path, qcDevice* device, const qcBodies
 /// A recorder as QC_RECORD names it, for a new scene; null if the variable is not set or the file can't be created,
 /// which is reported.
 qcSceneRecorder* qcSceneRecorder_OpenFromEnvironment(qcDevice* device);
+/// Ends the recording, with the reason qcLastMessage; the file closes.
+void qcSceneRecorder_Stop(qcSceneRecorder* recorder, qcStatus status);
 /// Closes the file; the first failure since it was opened.
 qcStatus qcSceneRecorder_Close(qcSceneRecorder* recorder);
 

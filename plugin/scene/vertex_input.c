@@ -214,18 +214,18 @@ static size_t CopyEights(const char* from, size_t count, float* out, double lowe
             qcFourFloats_Store(y, out + 4 * (6 * i + 3 + k));
         }
     *finite = (unordered[0] | unordered[1] | unordered[2] | unordered[3]) == 0;
-    float least[3] = {FLT_MAX, FLT_MAX, FLT_MAX}, most[3] = {-FLT_MAX, -FLT_MAX, -FLT_MAX};
+    float lowest[3] = {FLT_MAX, FLT_MAX, FLT_MAX}, highest[3] = {-FLT_MAX, -FLT_MAX, -FLT_MAX};
     for (int k = 0; k < 12; k++)
     {
-        least[k % 3] = low[k / 4][k % 4] < least[k % 3] ? low[k / 4][k % 4] : least[k % 3];
-        most[k % 3] = high[k / 4][k % 4] > most[k % 3] ? high[k / 4][k % 4] : most[k % 3];
+        lowest[k % 3] = low[k / 4][k % 4] < lowest[k % 3] ? low[k / 4][k % 4] : lowest[k % 3];
+        highest[k % 3] = high[k / 4][k % 4] > highest[k % 3] ? high[k / 4][k % 4] : highest[k % 3];
     }
     for (int axis = 0; axis < 3 && eights != 0; axis++)
     {
         // Where all are numbers, an infinite one is among the bounds.
-        *finite = *finite && isfinite(least[axis]) && isfinite(most[axis]);
-        lower[axis] = (double)least[axis] < lower[axis] ? (double)least[axis] : lower[axis];
-        upper[axis] = (double)most[axis] > upper[axis] ? (double)most[axis] : upper[axis];
+        *finite = *finite && isfinite(lowest[axis]) && isfinite(highest[axis]);
+        lower[axis] = (double)lowest[axis] < lower[axis] ? (double)lowest[axis] : lower[axis];
+        upper[axis] = (double)highest[axis] > upper[axis] ? (double)highest[axis] : upper[axis];
     }
     return 8 * eights;
 }

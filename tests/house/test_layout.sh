@@ -66,7 +66,7 @@ demos/bench/broadphase      demos/bench demos/bench/scenes demos/common/... demo
 demos/bench/peers           demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/first           demos/bench demos/bench/peers demos/bench/scenes demos/common
 demos/bench/paper           demos/bench demos/bench/peers demos/common
-demos/bench/ablation
+demos/bench/ablation        demos/common
 demos/bench/queries         demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/scaling         demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/gpu             demos/bench demos/bench/peers demos/bench/paper demos/bench/scenes demos/common/... demos/common

@@ -100,7 +100,7 @@ START_TEST(a_mistake_is_refused_with_a_message_that_names_it)
         {"--steps 3", 2, "--steps: '3' is not a whole number in 4..64"},
         {"--rounds 17", 2, "--rounds: '17' is not a whole number in 1..16"},
         {"--out ''", 2, "--out: no folder is named"},
-        {"--out file/below", 1, "file/below: Not a directory"},
+        {"--out file/below", 1, "file: Not a directory"},
     };
     WriteText("file", "no mesh");
     CheckMistakes(BENCH " first", wrong, sizeof wrong / sizeof wrong[0]);

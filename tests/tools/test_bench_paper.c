@@ -122,6 +122,10 @@ START_TEST(a_missing_recording_is_skipped_with_the_command_that_makes_it)
     MakeRecording("cloth.qcr");
     ck_assert_int_eq(Run("%s paper --recordings . --parts cloth,leaves --device none --out o", BENCH), 0);
     ck_assert_ptr_nonnull(strstr(GetOutput(), "leaves is skipped: there is no ./leaves.qcr; \"qc-leaves --record"));
+    // The cloth's one command makes both recordings.
+    ck_assert_int_eq(Run("%s paper --recordings . --parts cloth,cloth-without --device none --out o", BENCH), 0);
+    ck_assert_ptr_nonnull(
+        strstr(GetOutput(), "there is no ./cloth_without.qcr; \"qc-cloth --record ./cloth.qcr\" makes it"));
     ck_assert_ptr_nonnull(strstr(GetOutput(), "Cloth over a table"));
     ck_assert_int_eq(Run("%s paper --recordings nowhere --device none --out o", BENCH), 3);
     ck_assert_ptr_nonnull(strstr(GetErrors(), "no recording was found"));

@@ -348,7 +348,7 @@ static const Refused s_refused[] = {
     {"--rounds 17", 2, "--rounds: '17' is not a whole number in 1..16"},
     {"--device gpu", 2, "--device: 'gpu' is not one of"},
     {"--out ''", 2, "--out: no folder is named"},
-    {"--out file/below", 1, "file/below: Not a directory"},
+    {"--out file/below", 1, "file: Not a directory"},
     {"--scenes dragon --dragon none.ply", 3, "none.ply"},
     {"--scenes bunny --bunny file", 3, "file"},
 };

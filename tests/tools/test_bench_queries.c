@@ -57,7 +57,7 @@ START_TEST(mistakes_are_refused_with_a_message)
         {"--out ''", 2, "--out: no folder is named"},
         {"--meshes hills-5k", 2, "unrecognized option '--meshes'"},
         {"hills-5k", 2, "'hills-5k': options only"},
-        {"--mesh hills-5k --budget 1 --out /dev/null/o", 1, "/dev/null/o"},
+        {"--mesh hills-5k --budget 1 --out /dev/null/o", 1, "/dev/null: Not a directory"},
     };
     EnterFolder();
     CheckMistakes(PROGRAM, wrong, sizeof wrong / sizeof wrong[0]);

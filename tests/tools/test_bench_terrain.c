@@ -53,7 +53,7 @@ START_TEST(mistakes_are_refused_with_a_message)
         {"--steps 0", 2, "--steps: '0' is not"},
         {"--out ''", 2, "--out: no folder is named"},
         {"balls", 2, "'balls': options only"},
-        {"--kinds balls --bodies 1 --steps 1 --out /dev/null/o", 1, "/dev/null/o"},
+        {"--kinds balls --bodies 1 --steps 1 --out /dev/null/o", 1, "/dev/null: Not a directory"},
     };
     EnterFolder();
     CheckMistakes(PROGRAM, wrong, sizeof wrong / sizeof wrong[0]);

@@ -257,7 +257,7 @@ START_TEST(mistakes_are_refused_with_a_message)
         {"--mesh none.obj", 3, "none.obj: No such file"},
         {"--mesh angle.obj --load none.qcp", 3, "none.qcp: it can't be opened: No such file"},
         {"--mesh open.obj", 3, "open.obj: the mesh is not closed"},
-        {"--out angle.obj/o", 1, "angle.obj/o"},
+        {"--out angle.obj/o", 1, "angle.obj: Not a directory"},
     };
     EnterFolder();
     WriteAngle();
@@ -267,6 +267,32 @@ START_TEST(mistakes_are_refused_with_a_message)
     ck_assert_int_eq(Run(FRACTURE " --help"), 0);
     ck_assert_ptr_nonnull(strstr(GetOutput(), "--pieces=N"));
     ck_assert_ptr_nonnull(strstr(GetOutput(), "out/fracture by default"));
+    // Programs name themselves without their folder.
+    ck_assert_int_eq(Run(FRACTURE " --pices 3"), 2);
+    ck_assert_int_eq(strncmp(GetErrors(), "qc-fracture: ", 13), 0);
+    ck_assert_int_eq(Run(CLOTH " --device none --out angle.obj"), 1);
+    ck_assert_str_eq(GetErrors(), "qc-cloth: angle.obj: Not a directory\n");
+    LeaveFolder();
+}
+END_TEST
+
+START_TEST(what_can_not_be_printed_is_a_failure)
+{
+    static const char* const commands[] = {
+        FRACTURE " --help",
+        CLOTH " --version",
+        CLOTH " --triangles 200 --steps 2 --pull-steps 0 --device none --out o",
+        FRACTURE " --mesh angle.obj --pieces 3 --steps 2 --device none --out o",
+    };
+    EnterFolder();
+    WriteAngle();
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; ++i)
+    {
+        ck_assert_int_eq(Run("%s >/dev/full", commands[i]), 1);
+        ck_assert_ptr_nonnull(strstr(GetErrors(), "standard output: No space left on device"));
+    }
+    // The status of a mistake stays.
+    ck_assert_int_eq(Run(FRACTURE " --pieces 0 >/dev/full"), 2);
     LeaveFolder();
 }
 END_TEST
@@ -296,4 +322,4 @@ QC_RUN_TESTS("demos", the_costs_of_a_step_add_up_to_it,
              a_body_breaks_once_keeps_its_momentum_and_its_pieces_stay_above_the_floor,
              the_result_depends_on_the_seed_and_not_on_method_and_threads,
              pieces_from_a_file_move_as_those_that_were_saved, frames_are_drawn_where_there_is_a_device,
-             mistakes_are_refused_with_a_message, a_signal_ends_them_with_a_table)
+             mistakes_are_refused_with_a_message, what_can_not_be_printed_is_a_failure, a_signal_ends_them_with_a_table)

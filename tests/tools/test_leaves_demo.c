@@ -68,7 +68,7 @@ START_TEST(mistakes_are_refused_with_a_message)
         {"--leaves 0", 2, "--leaves: '0' is not"},
         {"--pcs-every x", 2, "--pcs-every: 'x' is not"},
         {"--record none/r.qcr", 1, "none/r.qcr"},
-        {"--out file/o", 1, "file/o"},
+        {"--out file/o", 1, "file: Not a directory"},
     };
     EnterFolder();
     ck_assert_int_eq(Run("touch file"), 0);

@@ -10,7 +10,7 @@ namespace
 constexpr btScalar s_maxStiffness = 20;
 // Sweeps over a link that leave more than this of a stretch resist less than the inertia of its nodes. Such links, as
 // of bending, are often the most.
-constexpr btScalar s_mostLeft = btScalar(0.5);
+constexpr btScalar s_maxLeft = btScalar(0.5);
 // Contacts that push nodes by less than this in a step, as a share of the default thickness (a twentieth of an edge of
 // cloth), need no help.
 constexpr btScalar s_strain = btScalar(0.1);
@@ -89,7 +89,7 @@ bool qcLinkElasticity::Begin(const std::vector<LoadedBody>& bodies, btScalar tim
                 material = link.m_material;
                 left = LeftOfStretch(body, *material);
             }
-            if (left > s_mostLeft)
+            if (left > s_maxLeft)
                 continue;
             const btVector3 along = link.m_n[1]->m_x - link.m_n[0]->m_x;
             const btScalar length2 = along.length2();

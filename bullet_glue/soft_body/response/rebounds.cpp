@@ -67,9 +67,9 @@ void qcRebounds::Limit(const qcSceneSoftBody& soft, const qcObjectKey& rigid, co
         return;
     const btScalar speed = btSqrt(2 * rebound.energy * btRigidBody::upcast(rigid.object)->getInvMass());
     const btScalar approach = normal.dot(motion - rebound.frame * m_timeStep), ofNodes = missing - approach;
-    const btScalar most = std::max(share * ofNodes, speed * m_timeStep);
-    rebound.speed = std::max(rebound.speed, most / m_timeStep);
-    const btScalar limited = btClamped(approach + std::min(ofNodes, most), btScalar(0), missing);
+    const btScalar maxRecovery = std::max(share * ofNodes, speed * m_timeStep);
+    rebound.speed = std::max(rebound.speed, maxRecovery / m_timeStep);
+    const btScalar limited = btClamped(approach + std::min(ofNodes, maxRecovery), btScalar(0), missing);
     spring->missing += normal * (limited - missing);
     spring->isClosed = limited > 0;
 }

@@ -2,13 +2,16 @@
 // with these switches, which the library does not have.
 #include "bench/ablation/ablation.h"
 
+#include "common/options.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 
 namespace
 {
+const char s_help[] = "Runs each scene with all stages of manifolds, then with each stage switched off.";
+
 const char* const s_stages[] = {
     "",
     "separatingPlane",
@@ -44,6 +47,7 @@ void PrintRow(const char* scene, const char* stage, const qcAblationResult& resu
         std::printf(" %12s %12.2f %12.3f\n", "", result.penetration, result.speed);
     std::fflush(stdout);
 }
+
 /// All stages of one seed in turn, so that disturbances of the machine affect all stages equally.
 void PrintScene(const qcAblationScene& scene)
 {
@@ -63,25 +67,21 @@ void qcSwitchOff(const char* stage)
 
 int main(int argumentCount, char** arguments)
 {
-    int steps = argumentCount == 2 ? std::atoi(arguments[1]) : argumentCount == 1 ? 360 : 0;
-    if (steps <= 60)
-    {
-        const bool isAsked = argumentCount == 2 && std::strcmp(arguments[1], "--help") == 0;
-        std::fprintf(isAsked ? stdout : stderr,
-                     "usage: qc-ablation [STEPS]\n"
-                     "Runs each scene with all stages of manifolds, then with each stage switched off. STEPS of "
-                     "1/60 s, more than 60: how long the simulations are; by default 360.\n");
-        return isAsked ? 0 : 2;
-    }
+    uint32_t steps = 360;
+    const qcOption rows[] = {{1, "steps", "N", "Length of a simulation in steps of 1/60 s; %s by default",
+                              qcOption_Number(&steps, 61, 1000000)},
+                             {}};
+    qcCommandLine line = {rows, s_help, nullptr, nullptr, 0, nullptr, nullptr};
+    qcCommandLine_Parse(&line, argumentCount, arguments);
     std::printf("%-16s %-20s %8s %8s %12s %12s %12s\n", "scene", "switched off", "ms", "points", "depth/true",
                 "overlap mm", "speed mm/s");
     using namespace std::placeholders;
     const qcAblationScene scenes[] = {
         {"box in tiles", 4, qcRunSunkBox},
         {"displaced cells", 8, qcRunDisplacedCells},
-        {"pile of boxes", 3, std::bind(qcRunBoxPile, _1, _2, unsigned(steps))},
-        {"pile of tori", 3, std::bind(qcRunTorusPile, _1, _2, unsigned(steps))},
-        {"fracture", 3, std::bind(qcRunFracture, _1, _2, unsigned(steps))},
+        {"pile of boxes", 3, std::bind(qcRunBoxPile, _1, _2, steps)},
+        {"pile of tori", 3, std::bind(qcRunTorusPile, _1, _2, steps)},
+        {"fracture", 3, std::bind(qcRunFracture, _1, _2, steps)},
     };
     for (const qcAblationScene& scene : scenes)
         PrintScene(scene);

@@ -8,10 +8,10 @@
 
 // Tables 1 and 2 of the paper.
 const qcPaperScene qcPaperScenes[qc_paperSceneCount] = {
-    {"cloth", "cloth.qcr", "Cloth over a table", "qc-cloth", 210, 1340, 21, 30, 12},
-    {"cloth-without", "cloth_without.qcr", "Cloth without self-collision", "qc-cloth", 0, 0, 0, 0, 6},
-    {"breaking", "breaking.qcr", "Breaking objects", "qc-breaking", 1400, 3600, 25, 35, 5},
-    {"leaves", "leaves.qcr", "Non-rigid motion: leaves", "qc-leaves", 450, 1200, 25, 31, 6},
+    {"cloth", "cloth.qcr", "Cloth over a table", "qc-cloth", "cloth.qcr", 210, 1340, 21, 30, 12},
+    {"cloth-without", "cloth_without.qcr", "Cloth without self-collision", "qc-cloth", "cloth.qcr", 0, 0, 0, 0, 6},
+    {"breaking", "breaking.qcr", "Breaking objects", "qc-breaking", "breaking.qcr", 1400, 3600, 25, 35, 5},
+    {"leaves", "leaves.qcr", "Non-rigid motion: leaves", "qc-leaves", "leaves.qcr", 450, 1200, 25, 31, 6},
 };
 
 typedef struct Run
@@ -49,7 +49,8 @@ static bool FindRecording(const Run* run, const qcPaperScene* scene, char* path,
     snprintf(path, size, "%s/%s", run->options.recordings, scene->file);
     if (qcFiles_IsThere(path))
         return true;
-    printf("%s is skipped: there is no %s; \"%s --record %s\" makes it\n", scene->name, path, scene->demo, path);
+    printf("%s is skipped: there is no %s; \"%s --record %s/%s\" makes it\n", scene->name, path, scene->demo,
+           run->options.recordings, scene->recordedTo);
     return false;
 }
 

@@ -23,7 +23,8 @@ typedef struct qcPaperScene
     const char* name; ///< for --parts
     const char* file; ///< in the folder of recordings
     const char* title;
-    const char* demo; ///< command that makes the recording
+    const char* demo;       ///< command that makes the recording
+    const char* recordedTo; ///< the name that its --record is given: it may write the file beside one of that name
     double quickPcs, cullidePcs, quickMs, cullideMs;
     uint32_t frames; ///< frames of the sampled methods by default: they take seconds without a GPU
 } qcPaperScene;

@@ -104,6 +104,18 @@ void qcStepCosts::Move(qcStepCost from, qcStepCost to, double part)
     ms[to] += part;
 }
 
+void qcStepCosts::MoveQuery(const qcMeshContactStatistics& query)
+{
+    Move(qc_costManifolds, qc_costGather, query.gatherMs);
+    Move(qc_costManifolds, qc_costAhead, query.aheadMs);
+    Move(qc_costManifolds, qc_costCull, query.cullMs);
+    Move(qc_costManifolds, qc_costSweep, query.sweepMs);
+    Move(qc_costManifolds, qc_costExact, query.exactMs);
+    Move(qc_costManifolds, qc_costPoints, query.manifoldMs);
+    Move(qc_costManifolds, qc_costOther,
+         query.detectMs - query.cullMs - query.sweepMs - query.exactMs - query.manifoldMs);
+}
+
 void qcStepCosts::MoveSoft(const qcSoftBodyStatistics& statistics)
 {
     double stages = statistics.cullMs + statistics.sweepMs + statistics.exactMs + statistics.contactMs;

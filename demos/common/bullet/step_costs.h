@@ -2,6 +2,7 @@
 #ifndef QC_DEMOS_COMMON_BULLET_STEP_COSTS_H
 #define QC_DEMOS_COMMON_BULLET_STEP_COSTS_H
 
+#include "quickcullide/bullet_mesh.h"
 #include "quickcullide/bullet_soft_body.h"
 
 #include <BulletDynamics/Dynamics/btDynamicsWorld.h>
@@ -40,6 +41,8 @@ struct qcStepCosts
     double Total() const;
     /// Moves a part of the cost `from` to the cost `to`.
     void Move(qcStepCost from, qcStepCost to, double part);
+    /// Moves the parts of a query for contact of meshes out of qc_costManifolds.
+    void MoveQuery(const qcMeshContactStatistics& query);
     /// Moves the parts of soft bodies' contact out of qc_costRest.
     void MoveSoft(const qcSoftBodyStatistics& statistics);
     void Add(const qcStepCosts& other, double weight);

@@ -59,7 +59,7 @@ static bool ReadVertex(qcMeshParser* parser)
     {
         double value;
         if (!qcMeshParser_ParseCoordinate(parser, false, word, wordEnd, &value))
-            return FailWord(parser, word, wordEnd, "is not a finite number");
+            return FailWord(parser, word, wordEnd, "is not a finite number, or too large for the precision");
         if (count < 3)
             position[count] = value;
     }

@@ -43,7 +43,7 @@ static bool NextReal(qcPlyReader* reader, const qcPlyType* type, double* value)
         return false;
     bool isDouble = type->size == sizeof(double);
     return qcMeshParser_ParseCoordinate(reader->parser, isDouble, word, wordEnd, value) ||
-           qcPly_FailWord(reader, word, wordEnd, "is not a finite number");
+           qcPly_FailWord(reader, word, wordEnd, "is not a finite number, or too large for the precision");
 }
 
 static void BeginElement(qcPlyReader* reader)

@@ -211,6 +211,44 @@ START_TEST(the_texture_inside_is_planar_in_units_of_length_and_equal_on_both_sid
 }
 END_TEST
 
+START_TEST(a_mesh_of_any_size_has_the_weights_and_planes_of_its_likeness)
+{
+    const btScalar exponents[] = {-15, 15, s_isDouble ? -90 : -20, s_isDouble ? 90 : 20};
+    qcFractureDef def = qcTorusToBreak(8, 5, 1, 0.4);
+    qcScatterInside(&def, 10, 5);
+    const qcFracture fracture = qcFracture_Split(def);
+    ck_assert_int_eq(fracture.status, qc_statusOk);
+    qcTextureDef texture;
+    texture.cutScale = 1;
+    for (const btScalar exponent : exponents)
+    {
+        // By powers of two: pieces are scaled bit by bit, and so is what is computed of them.
+        const btScalar scale = std::exp2(std::round(exponent * btScalar(3.3219)));
+        qcFractureDef scaled = def;
+        for (btVector3& vertex : scaled.vertices)
+            vertex *= scale;
+        for (btVector3& site : scaled.sites)
+            site *= scale;
+        const qcFracture pieces = qcFracture_Split(scaled);
+        ck_assert_msg(pieces.status == qc_statusOk, "%s", pieces.message.c_str());
+        ck_assert_uint_eq(pieces.pieces.size(), fracture.pieces.size());
+        texture.cutScale = 1 / double(scale);
+        for (size_t i = 0; i < pieces.pieces.size(); i++)
+        {
+            const std::vector<btVector3> expected = qcWeightsOfPiece(def, fracture.pieces[i]),
+                                         weights = qcWeightsOfPiece(scaled, pieces.pieces[i]);
+            ck_assert_uint_eq(weights.size(), expected.size());
+            for (size_t k = 0; k < weights.size(); k++)
+                ck_assert(weights[k] == expected[k]);
+            qcTextureDef plain;
+            plain.cutScale = 1;
+            ck_assert(qcTexturePiece(scaled, pieces.pieces[i], texture).coordinates ==
+                      qcTexturePiece(def, fracture.pieces[i], plain).coordinates);
+        }
+    }
+}
+END_TEST
+
 START_TEST(far_from_zero_both_sides_of_a_cut_have_equal_coordinates)
 {
     qcFractureDef def = qcTorusToBreak(24, 12, 1, 0.4);
@@ -273,6 +311,14 @@ START_TEST(a_texture_of_another_mesh_is_refused)
     ck_assert_int_eq(refused.status, qc_statusBadInput);
     ck_assert(refused.coordinates.empty() && refused.materials.empty());
     ck_assert(qcWeightsOfPiece(coarse, piece).empty());
+    // A piece from within has no triangle of the surface.
+    auto isInner = [](const qcPiece& inner) { return inner.firstCutTriangle == 0; };
+    qcFractureDef fine = qcBoxToBreak(1, 1, 1);
+    qcScatterInside(&fine, 200, 5);
+    const qcFracture parts = Split(fine);
+    const auto inner = std::find_if(parts.pieces.begin(), parts.pieces.end(), isInner);
+    ck_assert(inner != parts.pieces.end());
+    ck_assert_int_eq(qcTexturePiece(qcFractureDef(), *inner, qcTextureDef()).status, qc_statusBadInput);
     piece = fracture.pieces[0];
     piece.sources.pop_back();
     ck_assert_int_eq(qcTexturePiece(def, piece, qcTextureDef()).status, qc_statusBadInput);
@@ -284,4 +330,5 @@ QC_RUN_TESTS("fracture_texture", outer_triangles_cover_the_triangle_of_the_mesh_
              triangles_in_cuts_lie_halfway_between_their_site_and_the_one_they_name,
              the_surface_keeps_its_materials_and_its_texture,
              the_texture_inside_is_planar_in_units_of_length_and_equal_on_both_sides_of_a_cut,
+             a_mesh_of_any_size_has_the_weights_and_planes_of_its_likeness,
              far_from_zero_both_sides_of_a_cut_have_equal_coordinates, a_texture_of_another_mesh_is_refused)

@@ -4,12 +4,14 @@
 #include "quickcullide/hash.h"
 #include "recording/format.h"
 
-#include <cstdio>
+#include <atomic>
 #include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <limits>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <thread>
 #include <unistd.h>
 
 // After the standard headers: check defines a macro named fail.
@@ -294,6 +296,82 @@ START_TEST(an_old_file_stays_until_the_new_one_is_complete)
 }
 END_TEST
 
+START_TEST(a_link_to_nothing_stays_and_its_target_is_made)
+{
+    const qcFracture fracture = SomePieces(3);
+    ck_assert_int_eq(mkdir("folder", 0777), 0);
+    ck_assert_int_eq(symlink("folder/second.qcp", "first.qcp"), 0);
+    ck_assert_int_eq(symlink("made.qcp", "folder/second.qcp"), 0);
+    ck_assert_int_eq(qcFracture_Save(fracture, "first.qcp"), qc_statusOk);
+    CheckSame(qcFracture_Load("folder/made.qcp"), fracture);
+    for (const char* name : {"first.qcp", "folder/second.qcp"})
+    {
+        struct stat link;
+        ck_assert(lstat(name, &link) == 0 && S_ISLNK(link.st_mode));
+    }
+    ck_assert_int_eq(symlink("two.qcp", "one.qcp"), 0);
+    ck_assert_int_eq(symlink("one.qcp", "two.qcp"), 0);
+    const size_t entries = CountEntries();
+    std::string message;
+    ck_assert_int_eq(qcFracture_Save(fracture, "one.qcp", &message), qc_statusFile);
+    ck_assert_str_eq(message.c_str(), "qcFracture_Save: one.qcp can't be created: Too many levels of symbolic links");
+    ck_assert_uint_eq(CountEntries(), entries);
+    for (const char* name : {"first.qcp", "folder/second.qcp", "folder/made.qcp", "one.qcp", "two.qcp", "folder"})
+        std::remove(name);
+}
+END_TEST
+
+START_TEST(new_files_have_the_permissions_of_all_new_files_on_several_threads)
+{
+    const qcFracture fracture = SomePieces(2);
+    const mode_t mask = umask(027);
+    std::vector<std::thread> threads;
+    std::atomic<int> wrong{0};
+    for (int i = 0; i < 4; i++)
+        threads.emplace_back(
+            [&, i]
+            {
+                const std::string path = "thread" + std::to_string(i) + ".qcp";
+                for (int k = 0; k < 200; k++)
+                {
+                    struct stat file;
+                    wrong += qcFracture_Save(fracture, path.c_str()) != qc_statusOk;
+                    wrong += stat(path.c_str(), &file) != 0 || (file.st_mode & 0777) != 0640;
+                    std::remove(path.c_str());
+                    // What the application makes meanwhile gets its permissions, too.
+                    std::fclose(std::fopen(path.c_str(), "wb"));
+                    wrong += stat(path.c_str(), &file) != 0 || (file.st_mode & 0777) != 0640;
+                    std::remove(path.c_str());
+                }
+            });
+    for (std::thread& thread : threads)
+        thread.join();
+    ck_assert_int_eq(umask(mask), 027);
+    ck_assert_int_eq(wrong, 0);
+}
+END_TEST
+
+START_TEST(a_file_that_does_not_fit_into_memory_is_refused)
+{
+    rlimit limit, before;
+    ck_assert_int_eq(getrlimit(RLIMIT_AS, &before), 0);
+    limit = before;
+    limit.rlim_cur = rlim_t(1) << 30;
+    const std::vector<unsigned char> other(8, 'x');
+    WritePieces(other);
+    ck_assert_int_eq(truncate(s_path.c_str(), off_t(1) << 40), 0);
+    CheckRefused("it is no file of pieces");
+    ck_assert_int_eq(qcFracture_Save(SomePieces(2), s_path.c_str()), qc_statusOk);
+    ck_assert_int_eq(truncate(s_path.c_str(), off_t(1) << 40), 0);
+    ck_assert_int_eq(setrlimit(RLIMIT_AS, &limit), 0);
+    const qcFracture fracture = qcFracture_Load(s_path.c_str());
+    ck_assert_int_eq(setrlimit(RLIMIT_AS, &before), 0);
+    ck_assert_int_eq(fracture.status, qc_statusOutOfMemory);
+    ck_assert(fracture.pieces.empty());
+    std::remove(s_path.c_str());
+}
+END_TEST
+
 START_TEST(pieces_that_were_changed_wrongly_are_not_saved)
 {
     qcFracture fracture = SomePieces(3);
@@ -342,6 +420,9 @@ QC_TEST_MAIN()
                                   messages_name_the_place,
                                   no_path_is_refused,
                                   an_old_file_stays_until_the_new_one_is_complete,
+                                  a_link_to_nothing_stays_and_its_target_is_made,
+                                  new_files_have_the_permissions_of_all_new_files_on_several_threads,
+                                  a_file_that_does_not_fit_into_memory_is_refused,
                                   pieces_that_were_changed_wrongly_are_not_saved};
     TCase* testCase = qcMakeCase("piece_files");
     tcase_add_checked_fixture(testCase, EnterFolder, LeaveFolder);

@@ -425,6 +425,39 @@ START_TEST(a_scaled_shape_is_the_shape_of_the_scaled_mesh)
 }
 END_TEST
 
+START_TEST(scalings_and_margins_that_are_not_finite_are_refused_and_change_nothing)
+{
+    const qcModel model = qcBoxModel(btVector3(1, 2, 3), 1);
+    const btScalar infinity = std::numeric_limits<btScalar>::infinity(),
+                   nan = std::numeric_limits<btScalar>::quiet_NaN(), huge = std::numeric_limits<btScalar>::max();
+    for (const btVector3& scaling : {btVector3(nan, 1, 1), btVector3(1, infinity, 1), btVector3(1, 1, huge)})
+    {
+        auto shape = model.MakeShape();
+        shape->setLocalScaling(btVector3(1, 2, 1));
+        const uint64_t revision = shape->getRevision();
+        shape->setLocalScaling(scaling);
+        ck_assert_int_eq(shape->getStatus(), qc_statusBadInput);
+        ck_assert_ptr_nonnull(std::strstr(qcLastMessage(), "qcMeshShape::setLocalScaling: "));
+        ck_assert(shape->getLocalScaling() == btVector3(1, 2, 1) && shape->getRevision() == revision);
+        btVector3 lower, upper;
+        shape->getAabb(btTransform::getIdentity(), lower, upper);
+        const btScalar margin = shape->getMargin();
+        ck_assert(upper == btVector3(1 + margin, 4 + margin, 3 + margin));
+    }
+    for (const btScalar wrong : {nan, infinity, btScalar(-0.1)})
+    {
+        auto shape = model.MakeShape();
+        btCollisionShape* const base = shape.get();
+        base->setMargin(btScalar(0.25));
+        ck_assert_int_eq(shape->getStatus(), qc_statusOk);
+        base->setMargin(wrong);
+        ck_assert_int_eq(shape->getStatus(), qc_statusBadInput);
+        ck_assert_ptr_nonnull(std::strstr(qcLastMessage(), "qcMeshShape::setMargin: "));
+        ck_assert(shape->getMargin() == btScalar(0.25));
+    }
+}
+END_TEST
+
 START_TEST(arrays_that_can_not_be_read_are_refused)
 {
     const btVector3 corners[3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -554,7 +587,8 @@ QC_RUN_TESTS("mesh_shape", a_box_query_reports_exactly_the_triangles_whose_boxes
              a_fine_mesh_of_a_sphere_has_the_mass_properties_of_a_sphere,
              principal_axes_of_a_turned_and_moved_box_are_its_sides,
              a_mesh_turned_inside_out_has_the_same_mass_properties, an_open_mesh_has_the_mass_properties_of_a_shell,
-             a_scaled_shape_is_the_shape_of_the_scaled_mesh, arrays_that_can_not_be_read_are_refused,
-             invalid_meshes_are_refused_and_empty, positions_come_in_both_precisions_with_any_stride,
-             a_mesh_interface_of_bullets_makes_the_same_shape, the_margin_is_a_centimetre_or_a_quarter_of_an_edge,
-             the_first_queries_may_run_on_several_threads_at_once)
+             a_scaled_shape_is_the_shape_of_the_scaled_mesh,
+             scalings_and_margins_that_are_not_finite_are_refused_and_change_nothing,
+             arrays_that_can_not_be_read_are_refused, invalid_meshes_are_refused_and_empty,
+             positions_come_in_both_precisions_with_any_stride, a_mesh_interface_of_bullets_makes_the_same_shape,
+             the_margin_is_a_centimetre_or_a_quarter_of_an_edge, the_first_queries_may_run_on_several_threads_at_once)

@@ -100,22 +100,22 @@ struct PropWorld : qcMeshWorld
         }
     }
 };
-/// Counts how often its triangles are asked for.
-class AskedMesh : public btBvhTriangleMeshShape
+/// Counts the queries for its triangles.
+class QueriedMesh : public btBvhTriangleMeshShape
 {
   public:
-    explicit AskedMesh(btStridingMeshInterface* mesh) : btBvhTriangleMeshShape(mesh, true)
+    explicit QueriedMesh(btStridingMeshInterface* mesh) : btBvhTriangleMeshShape(mesh, true)
     {
     }
 
     void processAllTriangles(btTriangleCallback* callback, const btVector3& lower,
                              const btVector3& upper) const override
     {
-        asked++;
+        queries++;
         btBvhTriangleMeshShape::processAllTriangles(callback, lower, upper);
     }
 
-    mutable int asked = 0;
+    mutable int queries = 0;
 };
 } // namespace
 
@@ -159,17 +159,17 @@ END_TEST
 START_TEST(large_meshes_are_not_read_while_nothing_is_near)
 {
     qcMeshWorld world;
-    auto* const ground = new AskedMesh(world.Interface(qcFloorModel(100, 100)));
+    auto* const ground = new QueriedMesh(world.Interface(qcFloorModel(100, 100)));
     btCollisionShape* const kept = world.Keep(std::unique_ptr<btCollisionShape>(ground));
     auto* const scaled = new btScaledBvhTriangleMeshShape(ground, btVector3(2, 1, 2));
     btRigidBody* const upper = world.Add(kept, 0, btVector3(0, -20, 0));
     world.Add(world.Keep(std::unique_ptr<btCollisionShape>(scaled)), 0, btVector3(0, -40, 0));
     btRigidBody* const cube = world.Add(world.Keep(qcCubeModel(1).MakeShape()), 1, btVector3(0, 0, 0));
     world.Step(10);
-    ck_assert_int_eq(ground->asked, 0);
+    ck_assert_int_eq(ground->queries, 0);
     // It is read when the cube comes down to it, and holds it.
     world.Step(230);
-    ck_assert_int_gt(ground->asked, 0);
+    ck_assert_int_gt(ground->queries, 0);
     ck_assert_double_eq_tol(double(cube->getWorldTransform().getOrigin().y()), -19.5, 0.05);
     world.world.removeRigidBody(upper);
     cube->activate();
