@@ -158,8 +158,53 @@ void qcMultiBodyMotion::ApplyImpulse(size_t link, const btVector3& arm, const bt
 void qcMultiBodyMotion::Push(size_t link, const btVector3& arm, const btVector3& push)
 {
     AddResponse(link, arm, push, &m_pushed);
-    for (Link& other : m_links)
-        other.displacement = DisplacementOf(other, m_pushed);
+    FindDisplacements();
+}
+
+void qcMultiBodyMotion::Push(const Coordinates& moved)
+{
+    for (size_t i = 0; i < moved.size(); i++)
+        m_pushed[i] += moved[i];
+    FindDisplacements();
+}
+
+void qcMultiBodyMotion::FindDisplacements()
+{
+    for (Link& link : m_links)
+        link.displacement = DisplacementOf(link, m_pushed);
+}
+
+/// The columns of Cholesky's factor, with the largest of what is left first.
+std::vector<qcMultiBodyMotion::Coordinates> qcMultiBodyMotion::FindRoots() const
+{
+    const size_t count = m_pushed.size();
+    std::vector<Coordinates> left(count), roots;
+    for (size_t i = 0; i < count; i++)
+    {
+        Coordinates force(count, btScalar(0));
+        force[i] = 1;
+        FindResponse(force, &left[i]);
+    }
+    btScalar largest = 0;
+    for (size_t round = 0; round < count; round++)
+    {
+        size_t pivot = 0;
+        for (size_t i = 1; i < count; i++)
+            if (left[i][i] > left[pivot][pivot])
+                pivot = i;
+        largest = std::max(largest, left[pivot][pivot]);
+        if (!(left[pivot][pivot] > 16 * SIMD_EPSILON * largest))
+            break;
+        const btScalar scale = 1 / btSqrt(left[pivot][pivot]);
+        Coordinates root(count);
+        for (size_t i = 0; i < count; i++)
+            root[i] = left[pivot][i] * scale;
+        for (size_t i = 0; i < count; i++)
+            for (size_t k = 0; k < count; k++)
+                left[i][k] -= root[i] * root[k];
+        roots.push_back(std::move(root));
+    }
+    return roots;
 }
 
 void qcMultiBodyMotion::SetVelocities(const Coordinates& velocities)

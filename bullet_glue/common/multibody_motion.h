@@ -16,6 +16,9 @@
 class qcMultiBodyMotion
 {
   public:
+    /// Displacements of the base, rotation first, then of the joints: as Bullet orders velocities.
+    using Coordinates = std::vector<btScalar>;
+
     /// The multibody where Bullet's step has led it. `start`: where the step began; null: not known.
     qcMultiBodyMotion(btMultiBody& body, const qcJointPositions* start);
 
@@ -26,8 +29,18 @@ class qcMultiBodyMotion
     bool CanMove(size_t link) const;
     /// The displacement of a link if `push` acts on it at `arm` from its centre.
     qcRigidDisplacement DisplacementBy(size_t link, const btVector3& arm, const btVector3& push) const;
+    /// The displacement of a link where the coordinates are displaced by this.
+    qcRigidDisplacement DisplacementBy(size_t link, const Coordinates& moved) const
+    {
+        return DisplacementOf(m_links[link], moved);
+    }
+    /// Displacements R of the coordinates, of which the sum of R R' is the inverse inertia of the joints: a push F on
+    /// the coordinates displaces these by R R'F. As many as there are directions in which something moves. O(joints^3).
+    std::vector<Coordinates> FindRoots() const;
     /// Adds the displacement of all links by this push. O(links here * joints).
     void Push(size_t link, const btVector3& arm, const btVector3& push);
+    /// Likewise by this displacement of the coordinates.
+    void Push(const Coordinates& moved);
     /// The displacement of a link since the last Commit.
     const qcRigidDisplacement& Displacement(size_t link) const
     {
@@ -74,9 +87,6 @@ class qcMultiBodyMotion
     }
 
   private:
-    /// Displacements of the base, rotation first, then of the joints: as Bullet orders velocities.
-    using Coordinates = std::vector<btScalar>;
-
     struct Link
     {
         //  Three rotations, then three translations: the derivative of each by the coordinates; by a torque or push of
@@ -86,6 +96,7 @@ class qcMultiBodyMotion
         qcRigidDisplacement displacement; ///< since the last Commit
     };
 
+    void FindDisplacements();
     void AddResponse(size_t link, const btVector3& arm, const btVector3& push, Coordinates* moved) const;
     void FindJacobian(int link, std::array<Coordinates, 6>* jacobian) const;
     void FindResponse(const Coordinates& force, Coordinates* response) const;

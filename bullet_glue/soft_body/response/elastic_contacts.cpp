@@ -61,11 +61,13 @@ bool qcElasticContacts::MakeKept(qcSoftBodyScene& scene, const qcSoftTangles& ta
     if (constraint.rigid == nullptr)
         return softs[0] != softs[1] && !tangles.AreTangled(softs[0]->id.slot, softs[1]->id.slot);
     kept->rigid = qcHeldPointOf(constraint);
-    kept->isStrain = constraint.rigid->body != nullptr &&
-                     m_elasticity->MayLie(*constraint.rigid->body, constraint.normal) &&
-                     (m_elasticity->IsStrain(*softs[0], pushed) || IsLoad(*kept));
-    // The joints of links carry their load, and are solved elsewhere.
-    return (!constraint.rigid->CanMove() || (constraint.rigid->body != nullptr && !constraint.rigid->isFixed)) &&
+    const btRigidBody* body = constraint.rigid->body;
+    kept->isStrain = body != nullptr ? m_elasticity->MayLie(*body, constraint.normal) &&
+                                           (m_elasticity->IsStrain(*softs[0], pushed) || IsLoad(*kept))
+                                     : !m_elasticity->IsStrainedByRigidsOnly();
+    // Links whose nodes Bullet moves by positions are pushed elsewhere.
+    const bool isTaken = body != nullptr || m_elasticity->KeepsEnergy();
+    return (!constraint.rigid->CanMove() || (isTaken && !constraint.rigid->isFixed)) &&
            !tangles.AreTangled(*softs[0], *constraint.rigid);
 }
 
@@ -116,23 +118,18 @@ bool qcElasticContacts::AddRigidSide(const Kept& kept, qcPresentObjects* present
 {
     if (!present->Contains(soft, kept.rigid.object))
         return false;
-    auto* object = const_cast<btCollisionObject*>(kept.rigid.object.object);
+    const btCollisionObject& object = *kept.rigid.object.object;
     const btVector3 point = kept.rigid.Point();
     *start -= kept.rigid.point;
     *end -= point;
     spring->normal = kept.rigid.Normal();
-    spring->arm = point - object->getWorldTransform().getOrigin();
+    btVector3 arm = point - object.getWorldTransform().getOrigin();
     // The polyhedron around a sphere would turn it without friction.
-    if (object->getCollisionShape()->getShapeType() == SPHERE_SHAPE_PROXYTYPE)
-        spring->arm = spring->normal * spring->normal.dot(spring->arm);
-    btRigidBody* body = btRigidBody::upcast(object);
-    if (body == nullptr || body->isStaticOrKinematicObject())
-        return true;
+    if (object.getCollisionShape()->getShapeType() == SPHERE_SHAPE_PROXYTYPE && qcAsLink(&object) == nullptr)
+        arm = spring->normal * spring->normal.dot(arm);
+    spring->point = m_system.AddPoint(object, arm);
     // Bullet has not moved what sleeps.
-    if (!body->isActive())
-        return false;
-    spring->rigid = m_system.AddRigid(body);
-    return true;
+    return !spring->point.Moves() || object.isActive();
 }
 
 /// Adds the contact's spring, if it still holds.
@@ -205,7 +202,7 @@ bool qcElasticContacts::IsStrained(size_t spring) const
 {
     if (!m_springs[spring].isClosed)
         return false;
-    return m_springs[spring].rigid >= 0 ? m_sides[spring].kept->isStrain : !m_elasticity->IsStrainedByRigidsOnly();
+    return m_springs[spring].point.Moves() ? m_sides[spring].kept->isStrain : !m_elasticity->IsStrainedByRigidsOnly();
 }
 
 /// Finds the bodies that are strained, and what loads them.
@@ -221,13 +218,14 @@ void qcElasticContacts::FindLoads()
         AddLoaded(sides.soft[0], 0);
         if (sides.soft[1] != nullptr)
             AddLoaded(sides.soft[1], 0);
-        if (m_springs[i].rigid < 0)
+        if (!m_springs[i].point.Moves())
             continue;
         const auto load = std::make_pair(sides.kept->soft[0], sides.kept->rigid.object);
         if (std::find(loads.begin(), loads.end(), load) != loads.end())
             continue;
         loads.push_back(load);
-        AddLoaded(sides.soft[0], 1 / btRigidBody::upcast(load.second.object)->getInvMass());
+        const btRigidBody* body = btRigidBody::upcast(load.second.object);
+        AddLoaded(sides.soft[0], body != nullptr ? 1 / body->getInvMass() : btScalar(0));
     }
     m_loads.swap(loads);
 }
@@ -282,15 +280,15 @@ void qcElasticContacts::LimitRebounds()
 {
     std::vector<btVector3> sums(m_springs.size(), btVector3(0, 0, 0)); // by rigid body
     for (const qcElasticSpring& spring : m_springs)
-        if (spring.rigid >= 0 && spring.isClosed)
-            sums[size_t(spring.rigid)] += spring.normal;
+        if (spring.point.rigid >= 0 && spring.isClosed)
+            sums[size_t(spring.point.rigid)] += spring.normal;
     for (size_t i = 0; i < m_springs.size(); i++)
     {
         qcElasticSpring& spring = m_springs[i];
-        if (spring.rigid < 0)
+        if (spring.point.rigid < 0)
             continue;
         btVector3 motion = m_sides[i].rigidMotion;
-        const btVector3& sum = sums[size_t(spring.rigid)];
+        const btVector3& sum = sums[size_t(spring.point.rigid)];
         if (sum.length2() > 0)
         {
             const btScalar along = spring.normal.dot(motion - sum * (sum.dot(motion) / sum.length2()));

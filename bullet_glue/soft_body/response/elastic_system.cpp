@@ -92,6 +92,7 @@ double Dot(const qcElasticSystem::Vector& a, const qcElasticSystem::Vector& b)
 void qcElasticSystem::Begin()
 {
     m_rigids.clear();
+    m_links.Begin();
 }
 
 int qcElasticSystem::AddRigid(btRigidBody* body)
@@ -103,6 +104,36 @@ int qcElasticSystem::AddRigid(btRigidBody* body)
     return int(found - m_rigids.begin());
 }
 
+qcElasticPoint qcElasticSystem::AddPoint(const btCollisionObject& object, const btVector3& arm)
+{
+    qcElasticPoint point;
+    if (object.isStaticOrKinematicObject())
+        return point;
+    point.arm = arm;
+    if (const btMultiBodyLinkCollider* link = qcAsLink(&object))
+        point.link = m_links.AddPoint(*link, arm);
+    else if (const btRigidBody* body = btRigidBody::upcast(&object))
+        point.rigid = body->getInvMass() > 0 ? AddRigid(const_cast<btRigidBody*>(body)) : -1;
+    return point;
+}
+
+/// Ties a node to the body that it is anchored to, which moves it. False: it has no such anchor.
+bool qcElasticSystem::Tie(const btSoftBody& body, int node, int number)
+{
+    for (int i = 0; i < body.m_deformableAnchors.size(); i++)
+    {
+        const btSoftBody::DeformableNodeRigidAnchor& anchor = body.m_deformableAnchors[i];
+        const btCollisionObject& object = *anchor.m_cti.m_colObj;
+        if (anchor.m_node != &body.m_nodes[node] || !(anchor.m_node->m_im > 0) || !object.isActive())
+            continue;
+        const qcElasticPoint point = AddPoint(object, anchor.m_node->m_x - object.getWorldTransform().getOrigin());
+        if (point.Moves())
+            m_tied.push_back({number, point});
+        return point.Moves();
+    }
+    return false;
+}
+
 /// The nodes that the system moves.
 void qcElasticSystem::FindNodes(const std::vector<qcNodeElasticity::LoadedBody>& bodies)
 {
@@ -111,12 +142,15 @@ void qcElasticSystem::FindNodes(const std::vector<qcNodeElasticity::LoadedBody>&
     m_bodyOfNode.assign(m_nodes.size(), -1);
     m_bodyInverses.resize(bodies.size());
     m_isFree.assign(bodies.size(), true);
+    m_tied.clear();
     for (size_t body = 0; body < bodies.size(); body++)
         for (int i = 0; i < bodies[body].soft->NodeCount(); i++)
         {
             const auto number = size_t(m_elasticity->FirstNodeOf(body) + i);
             m_bodyOfNode[number] = int(body);
-            if (bodies[body].soft->InverseMass(uint32_t(i)) > 0 && !m_elasticity->IsHeld(int(number)))
+            const bool isTied = Tie(*bodies[body].soft->body, i, int(number));
+            m_isFree[body] = m_isFree[body] && !isTied;
+            if (isTied || (bodies[body].soft->InverseMass(uint32_t(i)) > 0 && !m_elasticity->IsHeld(int(number))))
             {
                 m_nodes[number] = &bodies[body].soft->body->m_nodes[i];
                 m_masses[number] = 1 / m_nodes[number]->m_im;
@@ -151,10 +185,13 @@ void qcElasticSystem::FindGroups()
     for (size_t i = 0; i < m_rigids.size(); i++)
         if (!qcIsFree(*m_rigids[i].body))
             sets.Unite(uint32_t(bodyCount + i), uint32_t(fixed));
+    auto setOf = [bodyCount, fixed](const qcElasticPoint& point)
+    { return point.rigid < 0 ? uint32_t(fixed) : uint32_t(bodyCount) + uint32_t(point.rigid); };
+    for (const Tied& tied : m_tied)
+        sets.Unite(uint32_t(m_bodyOfNode[size_t(tied.node)]), setOf(tied.point));
     for (const qcElasticSpring& spring : *m_springs)
     {
-        uint32_t sides[2] = {uint32_t(fixed),
-                             spring.rigid < 0 ? uint32_t(fixed) : uint32_t(bodyCount) + uint32_t(spring.rigid)};
+        uint32_t sides[2] = {uint32_t(fixed), setOf(spring.point)};
         for (int i = 0; i < spring.nodeCount; i++)
             sides[spring.weights[i] < 0] = uint32_t(m_bodyOfNode[size_t(spring.nodes[i])]);
         sets.Unite(sides[0], sides[1]);
@@ -212,7 +249,56 @@ btVector3 qcElasticSystem::Relative(const qcElasticSpring& spring, const Vector&
     btVector3 sum(0, 0, 0);
     for (int i = 0; i < spring.nodeCount; i++)
         sum += spring.weights[i] * x[spring.nodes[i]];
-    return spring.rigid < 0 ? sum : sum - x[At(spring.rigid)] - x[At(spring.rigid) + 1].cross(spring.arm);
+    return spring.point.Moves() ? sum - MotionAt(spring.point, x) : sum;
+}
+
+btVector3 qcElasticSystem::MotionAt(const qcElasticPoint& point, const Vector& x) const
+{
+    if (point.link >= 0)
+        return m_links.MotionAt(point.link, x);
+    return x[At(point.rigid)] + x[At(point.rigid) + 1].cross(point.arm);
+}
+
+void qcElasticSystem::AddForceAt(const qcElasticPoint& point, const btVector3& force, Vector* to) const
+{
+    if (point.link >= 0)
+    {
+        m_links.AddForceAt(point.link, force, to);
+        return;
+    }
+    (*to)[At(point.rigid)] += force;
+    (*to)[At(point.rigid) + 1] += point.arm.cross(force);
+}
+
+/// Adds a stiffness at the point to what resists its body.
+void qcElasticSystem::AddBlocksAt(const qcElasticPoint& point, const btMatrix3x3& stiffness)
+{
+    if (point.link >= 0)
+    {
+        m_links.AddBlocks(point.link, stiffness, &m_inverses);
+        return;
+    }
+    btMatrix3x3 cross;
+    point.arm.getSkewSymmetricMatrix(&cross[0], &cross[1], &cross[2]);
+    m_inverses[size_t(At(point.rigid))] += stiffness;
+    m_inverses[size_t(At(point.rigid)) + 1] += cross * stiffness * cross.transpose();
+}
+
+/// Sets the displacements of anchored nodes to those of their bodies.
+void qcElasticSystem::MoveTied(Vector* x) const
+{
+    for (const Tied& tied : m_tied)
+        (*x)[tied.node] = MotionAt(tied.point, *x);
+}
+
+/// Moves the forces on anchored nodes to their bodies.
+void qcElasticSystem::PassTiedForces(Vector* forces) const
+{
+    for (const Tied& tied : m_tied)
+    {
+        AddForceAt(tied.point, (*forces)[tied.node], forces);
+        (*forces)[tied.node].setZero();
+    }
 }
 
 /// Adds a force on the nodes, and its reaction.
@@ -221,10 +307,8 @@ void qcElasticSystem::AddForce(const qcElasticSpring& spring, const btVector3& f
     for (int i = 0; i < spring.nodeCount; i++)
         if (m_nodes[size_t(spring.nodes[i])] != nullptr)
             (*to)[spring.nodes[i]] += spring.weights[i] * force;
-    if (spring.rigid < 0)
-        return;
-    (*to)[At(spring.rigid)] -= force;
-    (*to)[At(spring.rigid) + 1] -= spring.arm.cross(force);
+    if (spring.point.Moves())
+        AddForceAt(spring.point, -force, to);
 }
 
 /// What resists a displacement of the nodes: masses and elasticity.
@@ -249,9 +333,11 @@ void qcElasticSystem::Multiply(const Vector& x, Vector* result) const
         b[At(i)] = m_rigids[size_t(i)].mass * x[At(i)];
         b[At(i) + 1] = m_rigids[size_t(i)].inertia * x[At(i) + 1];
     }
+    m_links.SetMasses(x, result);
     for (const qcElasticSpring& spring : *m_springs)
         if (spring.isClosed)
             AddForce(spring, ForceOf(spring, Relative(spring, x)), &b);
+    PassTiedForces(result);
 }
 
 /// The inverses of the diagonal blocks, of three rows each, and of the blocks of the translations of soft bodies
@@ -259,6 +345,8 @@ void qcElasticSystem::Multiply(const Vector& x, Vector* result) const
 void qcElasticSystem::FindBlocks()
 {
     m_inverses.assign(size_t(m_x.size()), Scaled(0));
+    for (size_t i = size_t(At(int(m_rigids.size()))); i < m_inverses.size(); i++)
+        m_inverses[i] = Scaled(1);
     m_bodyInverses.assign(m_bodyInverses.size(), Scaled(0));
     for (size_t i = 0; i < m_nodes.size(); i++)
     {
@@ -291,15 +379,15 @@ void qcElasticSystem::FindBlocks()
         for (int side = 0; side < 2; side++)
             if (body[side] >= 0)
                 m_bodyInverses[size_t(body[side])] += stiffness * (weights[side] * weights[side]);
-        if (spring.rigid < 0)
-            continue;
-        btMatrix3x3 cross;
-        spring.arm.getSkewSymmetricMatrix(&cross[0], &cross[1], &cross[2]);
-        m_inverses[size_t(At(spring.rigid))] += stiffness;
-        m_inverses[size_t(At(spring.rigid)) + 1] += cross * stiffness * cross.transpose();
+        if (spring.point.Moves())
+            AddBlocksAt(spring.point, stiffness);
     }
+    for (const Tied& tied : m_tied)
+        AddBlocksAt(tied.point, m_inverses[size_t(tied.node)]);
     for (size_t i = 0; i < m_inverses.size(); i++)
         m_inverses[i] = i < m_nodes.size() && m_nodes[i] == nullptr ? Scaled(0) : m_inverses[i].inverse();
+    for (const Tied& tied : m_tied)
+        m_inverses[size_t(tied.node)] = Scaled(0);
     for (size_t i = 0; i < m_bodyInverses.size(); i++)
         m_bodyInverses[i] =
             m_isFree[i] && m_bodyInverses[i].determinant() > 0 ? m_bodyInverses[i].inverse() : Scaled(0);
@@ -309,6 +397,7 @@ void qcElasticSystem::Precondition(const Vector& r, Vector* result) const
 {
     for (int i = 0; i < r.size(); i++)
         (*result)[i] = m_inverses[size_t(i)] * r[i];
+    MoveTied(result);
     if (std::find(m_isFree.begin(), m_isFree.end(), true) == m_isFree.end())
         return;
     m_sums.assign(m_bodyInverses.size(), btVector3(0, 0, 0));
@@ -329,6 +418,7 @@ double qcElasticSystem::SquareOfForces()
     for (const qcElasticSpring& spring : *m_springs)
         if (spring.isClosed)
             AddForce(spring, ForceOf(spring, spring.missing - Relative(spring, m_x)), &m_forcesOfSprings);
+    PassTiedForces(&m_forcesOfSprings);
     Precondition(m_forcesOfSprings, &m_image);
     return Dot(m_forcesOfSprings, m_image);
 }
@@ -340,6 +430,7 @@ void qcElasticSystem::SolveClosed(int round)
     for (const qcElasticSpring& spring : *m_springs)
         if (spring.isClosed)
             AddForce(spring, ForceOf(spring, spring.missing), &m_right);
+    PassTiedForces(&m_right);
     FindBlocks();
     RemoveMomentum(&m_x);
     Multiply(m_x, &m_image);
@@ -409,14 +500,14 @@ void qcElasticSystem::LimitFriction(int rigid)
     btScalar held = 0;
     for (const qcElasticSpring& spring : *m_springs)
     {
-        if (!spring.isClosed || spring.rigid != rigid)
+        if (!spring.isClosed || spring.point.rigid != rigid)
             continue;
         const btVector3 force = ForceOf(spring, spring.missing - Relative(spring, m_x));
         const btScalar along = spring.normal.dot(force);
         const btVector3 across = force - spring.normal * along;
         pressure -= spring.normal * std::max(along, btScalar(0));
         friction -= across;
-        torque -= spring.arm.cross(across);
+        torque -= spring.point.arm.cross(across);
         held += spring.friction * std::max(along, btScalar(0));
     }
     const btScalar ofSprings = pressure.length();
@@ -440,13 +531,14 @@ bool qcElasticSystem::Solve(qcNodeElasticity* elasticity, const std::vector<qcNo
     m_elasticity = elasticity;
     m_springs = springs;
     FindNodes(bodies);
-    const int size = At(int(m_rigids.size()));
+    const int size = m_links.Number(At(int(m_rigids.size())));
     const bool isGuess = m_x.size() == size;
     for (Vector* vector : {&m_x, &m_forcesOfSprings, &m_right, &m_residual, &m_preconditioned, &m_direction, &m_image})
         vector->resize(size, btVector3(0, 0, 0));
     for (int i = 0; i < size; i++)
         if (!isGuess || (i < int(m_nodes.size()) && m_nodes[size_t(i)] == nullptr))
             m_x[i].setZero();
+    MoveTied(&m_x);
     // What rests is displaced in each step alike.
     FindGroups();
     if (isGuess)
@@ -495,4 +587,5 @@ void qcElasticSystem::Apply(btScalar timeStep) const
         body.setAngularVelocity(body.getAngularVelocity() + by.angular * perDistance);
         body.setCenterOfMassTransform(qcDisplaced(body.getWorldTransform(), by));
     }
+    m_links.Apply(m_x, timeStep);
 }

@@ -1,24 +1,37 @@
 // The displacements of elastic soft bodies and of rigid ones under the springs between them, as one linear system.
 //
-// Over a step, nodes resist by their masses and by elasticity; rigid bodies by mass and inertia. Whatever the springs
-// do, momentum stays as it is.
+// Over a step, nodes resist by their masses and by elasticity; rigid bodies by mass and inertia, multibodies by those
+// of their joints. Nodes that are anchored to a body move with it. Whatever the springs do, momentum stays as it is.
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_ELASTIC_SYSTEM_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_ELASTIC_SYSTEM_H
 
 #include "common/rigid_displacement.h"
+#include "soft_body/response/elastic_links.h"
 #include "soft_body/response/node_elasticity.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
-/// A spring between a weighted sum of nodes and a point of a rigid body, or of something fixed, or only among nodes.
+/// A point that moves with a rigid body or with a link of a multibody, or one that doesn't move.
+struct qcElasticPoint
+{
+    int rigid = -1;         ///< index of the rigid body; -1: none
+    btVector3 arm{0, 0, 0}; ///< from its centre
+    int link = -1;          ///< number in qcElasticLinks; -1: none
+
+    bool Moves() const
+    {
+        return rigid >= 0 || link >= 0;
+    }
+};
+
+/// A spring between a weighted sum of nodes and a point, or only among nodes.
 struct qcElasticSpring
 {
     int nodeCount = 0;
     int nodes[6] = {0, 0, 0, 0, 0, 0};        ///< numbers of qcNodeElasticity
     btScalar weights[6] = {0, 0, 0, 0, 0, 0}; ///< negative on the other side
-    int rigid = -1;                           ///< from qcElasticSystem::AddRigid; -1: none
+    qcElasticPoint point;
     btVector3 normal{0, 0, 0};
-    btVector3 arm{0, 0, 0};     ///< from the rigid body's centre
     btVector3 missing{0, 0, 0}; ///< relative displacement by which the spring is at rest
     btScalar friction = 0;
     bool isClosed = true; ///< open ones don't act
@@ -33,8 +46,9 @@ class qcElasticSystem
 
     /// Empties the system; the solution of the last step stays, as the first guess of the next.
     void Begin();
-    /// The index of a dynamic body, for springs. Its factors guide it.
-    int AddRigid(btRigidBody* body);
+    /// A point at `arm` from the centre of an object. It moves if the object is a dynamic rigid body, guided by its
+    /// factors, or a link.
+    qcElasticPoint AddPoint(const btCollisionObject& object, const btVector3& arm);
     /// Finds the displacements, and which springs are closed: those that push. `bodies`: all that have nodes in
     /// springs, which `elasticity` has read for this step. False: there is no finite solution.
     bool Solve(qcNodeElasticity* elasticity, const std::vector<qcNodeElasticity::LoadedBody>& bodies,
@@ -57,6 +71,13 @@ class qcElasticSystem
         btScalar velocityShare;
     };
 
+    /// A node that is anchored.
+    struct Tied
+    {
+        int node;
+        qcElasticPoint point;
+    };
+
     struct Momentum
     {
         btVector3 sum;
@@ -68,7 +89,14 @@ class qcElasticSystem
     {
         return int(m_nodes.size()) + 2 * rigid;
     }
+    int AddRigid(btRigidBody* body);
+    bool Tie(const btSoftBody& body, int node, int number);
     void FindNodes(const std::vector<qcNodeElasticity::LoadedBody>& bodies);
+    btVector3 MotionAt(const qcElasticPoint& point, const Vector& x) const;
+    void AddForceAt(const qcElasticPoint& point, const btVector3& force, Vector* to) const;
+    void AddBlocksAt(const qcElasticPoint& point, const btMatrix3x3& stiffness);
+    void MoveTied(Vector* x) const;
+    void PassTiedForces(Vector* forces) const;
     void FindInertia();
     void FindGroups();
     void RemoveMomentum(Vector* x) const;
@@ -89,8 +117,10 @@ class qcElasticSystem
     std::vector<btSoftBody::Node*> m_nodes; ///< by number; null: it doesn't move
     std::vector<btScalar> m_masses;         ///< by number; zero: the node doesn't move
     std::vector<int> m_bodyOfNode;          ///< by number
-    std::vector<bool> m_isFree;             ///< by soft body: none of its nodes is pinned
+    std::vector<bool> m_isFree;             ///< by soft body: none of its nodes is pinned or anchored
+    std::vector<Tied> m_tied;
     std::vector<Rigid> m_rigids;
+    qcElasticLinks m_links;
     std::vector<int> m_groups; ///< by soft body, then by rigid body; -1: something fixed takes its momentum
     mutable std::vector<Momentum> m_momenta; ///< scratch of RemoveMomentum, by group
     /// What resists the displacement of each node alone, its mass included.
@@ -98,7 +128,8 @@ class qcElasticSystem
     std::vector<btMatrix3x3> m_inverses;     ///< of the diagonal blocks
     std::vector<btMatrix3x3> m_bodyInverses; ///< by soft body, of what resists its translation
     mutable std::vector<btVector3> m_sums;   ///< scratch of Precondition, by soft body
-    Vector m_x;                              ///< by node its displacement, by rigid body translation and rotation
+    /// By node its displacement, by rigid body translation and rotation, by multibody its unknowns.
+    Vector m_x;
     Vector m_forcesOfSprings, m_right, m_residual, m_preconditioned, m_direction, m_image;
 };
 

@@ -57,7 +57,7 @@ qcRebounds::Rebound& qcRebounds::Find(const qcSceneSoftBody& soft, const qcObjec
 void qcRebounds::Limit(const qcSceneSoftBody& soft, const qcObjectKey& rigid, const btVector3& motion,
                        const btVector3& sprung, qcElasticSpring* spring)
 {
-    Rebound& rebound = Find(soft, rigid, spring->rigid);
+    Rebound& rebound = Find(soft, rigid, spring->point.rigid);
     const btScalar share = qcGapRecoveryOf(m_timeStep);
     const btVector3& normal = spring->normal;
     const btScalar missing = normal.dot(spring->missing);
