@@ -22,6 +22,22 @@ btVector3 ClosestOn(const btVector3 corners[3], const btVector3& point)
     return found.m_closestPointOnSimplex;
 }
 
+/// The direction without what leads from a triangle's closest point to its corners: no way within it leads nearer.
+/// Bullet's normals are off by up to some hundredths, which at a ridge that a flat face lies on would count as a slope
+/// along it.
+btVector3 WithoutWaysWithin(const btVector3 corners[3], const btVector3& closest, const btVector3& direction)
+{
+    btVector3 left = direction;
+    for (int i = 0; i < 6; i++)
+    {
+        const btVector3 way = corners[i % 3] - closest;
+        const btScalar along = way.dot(left);
+        if (along > 0)
+            left -= way * (along / way.length2());
+    }
+    return left.length2() > SIMD_EPSILON ? left.normalized() : direction;
+}
+
 /// Looks for triangles around a point into which the way leads nearer to what is outward.
 struct NearerTriangle : btTriangleCallback
 {
@@ -91,10 +107,11 @@ btVector3 qcInnerEdgeFilter::NearerNormal(const btVector3 corners[3], const btVe
                                           btScalar size) const
 {
     const btVector3 closest = ClosestOn(corners, point);
-    NearerTriangle nearer(m_triangle, closest, outward, size);
+    const btVector3 away = WithoutWaysWithin(corners, closest, outward);
+    NearerTriangle nearer(m_triangle, closest, away, size);
     const btVector3 reach(nearer.slack, nearer.slack, nearer.slack);
     m_mesh.processAllTriangles(&nearer, closest - reach, closest + reach);
-    const btScalar side = nearer.normal.dot(nearer.faces > s_minCosine ? outward : m_center - closest);
+    const btScalar side = nearer.normal.dot(nearer.faces > s_minCosine ? away : m_center - closest);
     return side < 0 ? -nearer.normal : nearer.normal;
 }
 

@@ -35,39 +35,28 @@ constexpr btScalar s_axisError = btScalar(1e-6);
 // Sweeps of impulses over the planes of pairs that contact did not stop.
 constexpr int s_impulseSweeps = 4;
 
-/// The part of the step's motion along the force that a body does not make.
+/// The part of the step's motion along gravity that a body does not make.
 btScalar LostPart(const qcSweptObject& swept)
 {
-    const btVector3 &from = swept.start.getOrigin(), force = swept.body->getTotalForce();
-    btScalar all = force.dot(swept.body->getWorldTransform().getOrigin() - from);
-    btScalar made = force.dot(swept.end.getOrigin() - from);
+    const btVector3 &from = swept.start.getOrigin(), &gravity = swept.body->getGravity();
+    btScalar all = gravity.dot(swept.body->getWorldTransform().getOrigin() - from);
+    btScalar made = gravity.dot(swept.end.getOrigin() - from);
     return all > 0 ? btClamped(1 - made / all, btScalar(0), btScalar(1)) : 1 - swept.fraction;
 }
 
-/// A velocity without the part `lost` of what a force has given it in the step, `gain`, as far as it still has that:
-/// contact takes it from what rests. `before`: the velocity at the step's start; null: it has all. `limit`: the largest
-/// part of the gain that it may have.
-btVector3 WithoutLost(const btVector3& now, const btVector3* before, const btVector3& force, const btVector3& gain,
-                      btScalar lost, btScalar limit)
-{
-    const btScalar all = force.dot(gain);
-    if (!(all > 0))
-        return now;
-    const btVector3 change = before != nullptr ? now - *before : gain;
-    return now - gain * (lost * btClamped(force.dot(change) / all, btScalar(0), limit));
-}
-
-/// Takes back what forces have done to a body's velocities for the motion that it does not make.
-void TakeBackForces(qcSweptObject* swept, btScalar timeStep)
+/// Takes back what gravity has done to a body's velocity for the motion that it does not make, as far as it still has
+/// that: contact takes it from what rests. Other forces may be those of two bodies on each other, whose momentum is
+/// kept.
+void TakeBackGravity(qcSweptObject* swept, btScalar timeStep)
 {
     btRigidBody* body = swept->body;
+    const btVector3 gain = body->getGravity() * body->getLinearFactor() * timeStep;
+    if (!(gain.length2() > 0))
+        return;
     const btScalar lost = LostPart(*swept), left = 1 - swept->lost;
-    const btVector3 force = body->getTotalForce(), torque = body->getTotalTorque();
-    const qcRigidMotion* before = swept->before ? &*swept->before : nullptr;
-    body->setLinearVelocity(WithoutLost(body->getLinearVelocity(), before != nullptr ? &before->linear : nullptr, force,
-                                        force * (body->getInvMass() * timeStep), lost, left));
-    body->setAngularVelocity(WithoutLost(body->getAngularVelocity(), before != nullptr ? &before->angular : nullptr,
-                                         torque, body->getInvInertiaTensorWorld() * torque * timeStep, lost, left));
+    const btVector3 &velocity = body->getLinearVelocity(),
+                    change = swept->before ? velocity - swept->before->linear : gain;
+    body->setLinearVelocity(velocity - gain * (lost * btClamped(gain.dot(change) / gain.length2(), btScalar(0), left)));
     swept->lost += left * lost;
 }
 
@@ -393,7 +382,7 @@ void qcMotionLimiter::Commit(qcSweptObject* swept, btScalar timeStep) const
     }
     else
     {
-        TakeBackForces(swept, timeStep);
+        TakeBackGravity(swept, timeStep);
         TurnSpin(*swept);
     }
     swept->isLimited = true;

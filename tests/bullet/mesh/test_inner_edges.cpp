@@ -3,6 +3,7 @@
 
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <BulletCollision/CollisionShapes/btCapsuleShape.h>
+#include <BulletCollision/CollisionShapes/btCylinderShape.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 
 #include <cmath>
@@ -135,6 +136,71 @@ START_TEST(outer_edges_hold_convex_shapes)
     ck_assert_double_lt(double(over->getWorldTransform().getOrigin().y()), 1);
 }
 END_TEST
+/// Two rails along z whose ridges are at height 0, with flanks of this slope: a square each.
+qcModel RailModel(btScalar half, btScalar slope)
+{
+    qcModel model;
+    for (btScalar x : {btScalar(-0.3), btScalar(0.3)})
+        for (btScalar side : {btScalar(-1), btScalar(1)})
+        {
+            const btVector3 along(0, 0, 2 * half), down(side * btScalar(0.1), -slope * btScalar(0.1), 0);
+            qcAddGrid(&model, btVector3(x, 0, -half), side < 0 ? down : along, side < 0 ? along : down, 1, 1);
+        }
+    return model;
+}
+
+/// Flat faces lie on the ridges, whatever the slope of their flanks: contact has the face's normal.
+START_TEST(ridges_that_a_flat_face_slides_along_have_its_normal)
+{
+    const btScalar height = btScalar(0.2);
+    const bool isCylinder = _i == 1;
+    for (btScalar slope : {btScalar(1), btScalar(3)})
+    {
+        int loaded = 0, tilted = 0;
+        btScalar drift = 0;
+        for (int start = 0; start < 4; start++)
+        {
+            qcMeshWorld world;
+            // Coordinates without roundings that agree.
+            const btTransform place(btQuaternion(btVector3(1, btScalar(start), 2).normalized(), btScalar(0.7)));
+            world.world.setGravity(place.getBasis() * btVector3(0, -10, 0));
+            btCollisionShape* rails = world.Keep(RailModel(4, slope).MakeShape());
+            rails->setMargin(s_margin);
+            world.Add(rails, 0, place);
+            std::unique_ptr<btCollisionShape> shape =
+                std::make_unique<btBoxShape>(btVector3(s_half * 2, height, s_half));
+            if (isCylinder)
+                shape = std::make_unique<btCylinderShape>(btVector3(s_half * 2, height, s_half * 2));
+            btRigidBody* body = world.Add(world.Keep(std::move(shape)), 5,
+                                          place * btTransform(btQuaternion(btVector3(0, 1, 0), btScalar(start) / 10),
+                                                              btVector3(0, height + btScalar(0.015), -2)));
+            body->setFriction(btScalar(0.02));
+            body->setActivationState(DISABLE_DEACTIVATION);
+            body->setLinearVelocity(place.getBasis() * btVector3(0, 0, 1));
+            for (int i = 0; i < 120; i++)
+            {
+                world.Step();
+                const btVector3 up = body->getWorldTransform().getBasis().getColumn(1);
+                for (int m = 0; m < world.dispatcher.getNumManifolds(); m++)
+                {
+                    const btPersistentManifold* manifold = world.dispatcher.getManifoldByIndexInternal(m);
+                    for (int k = 0; k < manifold->getNumContacts(); k++)
+                    {
+                        const btManifoldPoint& point = manifold->getContactPoint(k);
+                        loaded += point.getAppliedImpulse() > 0;
+                        tilted +=
+                            point.getAppliedImpulse() > 0 && btFabs(up.dot(point.m_normalWorldOnB)) < btScalar(0.995);
+                    }
+                }
+            }
+            drift = std::max(drift, btFabs((place.inverse() * body->getWorldTransform().getOrigin()).x()));
+        }
+        ck_assert_int_gt(loaded, 500);
+        ck_assert_msg(tilted <= loaded / 200, "slope %g: %d of %d tilted", double(slope), tilted, loaded);
+        ck_assert_msg(drift < btScalar(0.1), "slope %g: off by %g m", double(slope), double(drift));
+    }
+}
+END_TEST
 } // namespace
 
 QC_TEST_MAIN()
@@ -144,5 +210,6 @@ QC_TEST_MAIN()
     tcase_add_loop_test(tests, uneven_ground_takes_little_of_their_speed, 0, 3);
     tcase_add_test(tests, boxes_slide_down_slopes_as_friction_has_it);
     tcase_add_test(tests, outer_edges_hold_convex_shapes);
+    tcase_add_loop_test(tests, ridges_that_a_flat_face_slides_along_have_its_normal, 0, 2);
     return qcRunCase("inner_edges", tests);
 }

@@ -417,6 +417,42 @@ START_TEST(a_new_body_does_not_pass_a_mesh_in_its_first_step)
 }
 END_TEST
 
+/// Forces of bodies on each other: limits that cut the motion of one must not take momentum from it alone.
+START_TEST(bodies_that_press_each_other_keep_their_momentum)
+{
+    int limited = 0;
+    for (int start = 0; start < 8; start++)
+    {
+        qcMeshWorld world;
+        world.world.setGravity(btVector3(0, 0, 0));
+        const btScalar size = btScalar(0.05), force = 100, turn = btScalar(start) / 10;
+        btCollisionShape* ball = world.Keep(qcSphereModel(double(size), 2).MakeShape());
+        btCollisionShape* jaw =
+            world.Keep(qcBoxModel(btVector3(btScalar(0.02), btScalar(0.06), btScalar(0.06)), 2).MakeShape());
+        ball->setMargin(btScalar(0.002));
+        jaw->setMargin(btScalar(0.002));
+        world.Add(ball, btScalar(0.3), btTransform(btQuaternion(btVector3(1, 1, 0).normalized(), turn)));
+        btRigidBody* jaws[2];
+        for (int side = 0; side < 2; side++)
+            jaws[side] = world.Add(jaw, btScalar(0.2),
+                                   btTransform(btQuaternion(btVector3(0, 1, 0), turn / 4),
+                                               btVector3(btScalar(side == 0 ? -0.08 : 0.08), turn / 50, 0)));
+        for (int i = 0; i < 60; i++)
+        {
+            for (int side = 0; side < 2; side++)
+                jaws[side]->applyCentralForce(btVector3(side == 0 ? force : -force, 0, 0));
+            world.Step();
+            limited += world.contact.getStatistics().limited;
+            btVector3 momentum(0, 0, 0);
+            for (const auto& body : world.bodies)
+                momentum += body->getLinearVelocity() / body->getInvMass();
+            ck_assert_double_lt(double(momentum.length()), 1e-3);
+        }
+    }
+    ck_assert_int_gt(limited, 20);
+}
+END_TEST
+
 START_TEST(a_new_origin_of_the_world_moves_no_mesh_against_another)
 {
     // Waves 4 long: a cube in a trough lies in the way of a floor that is shifted by less than half its size.
@@ -543,6 +579,7 @@ QC_TEST_MAIN()
     tcase_add_test(tests, a_dynamic_body_that_the_application_moves_is_not_held_back);
     tcase_add_test(tests, a_new_body_does_not_pass_a_mesh_in_its_first_step);
     tcase_add_test(tests, a_new_origin_of_the_world_moves_no_mesh_against_another);
+    tcase_add_test(tests, bodies_that_press_each_other_keep_their_momentum);
     tcase_add_test(tests, what_a_near_callback_leaves_out_is_not_stopped);
     tcase_add_test(tests, sleepers_that_never_made_contact_do_not_pass_each_other);
 #ifdef QC_BUNNY
