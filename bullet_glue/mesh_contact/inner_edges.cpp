@@ -2,6 +2,7 @@
 #include "mesh_contact/inner_edges.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/CollisionShapes/btConvexShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
 
 namespace
@@ -13,6 +14,27 @@ constexpr btScalar s_straight = btScalar(0.9999);
 constexpr btScalar s_slack = btScalar(1e-3);
 // Below this cosine a normal is along the triangle, and the side is that of the centre of the convex shape.
 constexpr btScalar s_minCosine = btScalar(0.1);
+// A face is what supports directions that are tilted by this from its normal, which is more than the error of Bullet's
+// normals, if it is larger than this share of the convex shape.
+constexpr btScalar s_faceTilt = btScalar(0.03), s_faceShare = btScalar(0.1);
+// Normals of more than this cosine may be the same, but for Bullet's errors.
+constexpr btScalar s_sameNormal = btScalar(0.995);
+
+/// True if a convex shape has a face with this outward normal, in world space.
+bool HasFace(const btCollisionObjectWrapper& convex, const btVector3& normal)
+{
+    const auto& shape = *static_cast<const btConvexShape*>(convex.getCollisionShape());
+    const btMatrix3x3& basis = convex.getWorldTransform().getBasis();
+    btVector3 axes[2];
+    btPlaneSpace1(normal, axes[0], axes[1]);
+    btVector3 ends[4];
+    for (int i = 0; i < 4; i++)
+        ends[i] = shape.localGetSupportingVertex((normal + axes[i % 2] * (i < 2 ? s_faceTilt : -s_faceTilt)) * basis);
+    btVector3 lower, upper;
+    shape.getAabb(btTransform::getIdentity(), lower, upper);
+    const btScalar area = (ends[0] - ends[2]).cross(ends[1] - ends[3]).length();
+    return area > s_faceShare * s_faceShare * (upper - lower).length2();
+}
 
 btVector3 ClosestOn(const btVector3 corners[3], const btVector3& point)
 {
@@ -136,7 +158,12 @@ void qcInnerEdgeFilter::addContactPoint(const btVector3& normal, const btVector3
         {
             if (distance > 0)
                 return;
-            passed = m_place.getBasis() * nearer;
+            // A face that lies on a ridge has sunk in along its own normal, beside the ridge as on it.
+            const btCollisionObjectWrapper* convex = m_result->getBody0Wrap();
+            if (!convex->getCollisionShape()->isConvex())
+                convex = m_result->getBody1Wrap();
+            if (nearer.dot(outward) > s_sameNormal || !HasFace(*convex, -normal))
+                passed = m_place.getBasis() * nearer;
         }
     }
     // Callbacks see what Bullet's algorithm has set.

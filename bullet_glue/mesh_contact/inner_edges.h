@@ -12,7 +12,8 @@
 
 /// Passes the points of a convex shape and a mesh on to Bullet's result, except those at inner edges from which the
 /// mesh leads nearer to the convex shape: points with a gap are left out, since another triangle has a nearer point;
-/// where the shape has sunk in by no more than the contact breaking threshold, they get that triangle's normal.
+/// where the shape has sunk in by no more than the contact breaking threshold, they get that triangle's normal,
+/// unless they have that of a face of the shape, which lies on a ridge.
 class qcInnerEdgeFilter : public btManifoldResult
 {
   public:

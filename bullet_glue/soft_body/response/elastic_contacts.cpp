@@ -123,13 +123,16 @@ bool qcElasticContacts::AddRigidSide(const Kept& kept, qcPresentObjects* present
     *start -= kept.rigid.point;
     *end -= point;
     spring->normal = kept.rigid.Normal();
+    // Bullet has not moved what sleeps.
+    const bool sleeps = !object.isActive();
+    if (sleeps && !object.isStaticOrKinematicObject() && btRigidBody::upcast(&object) != nullptr)
+        return false;
     btVector3 arm = point - object.getWorldTransform().getOrigin();
     // The polyhedron around a sphere would turn it without friction.
     if (object.getCollisionShape()->getShapeType() == SPHERE_SHAPE_PROXYTYPE && qcAsLink(&object) == nullptr)
         arm = spring->normal * spring->normal.dot(arm);
     spring->point = m_system.AddPoint(object, arm);
-    // Bullet has not moved what sleeps.
-    return !spring->point.Moves() || object.isActive();
+    return !(sleeps && spring->point.Moves());
 }
 
 /// Adds the contact's spring, if it still holds.

@@ -23,13 +23,8 @@ class qcElasticLinks
     }
     /// The number of a point of a link, at `arm` from the link's centre; -1: nothing moves it.
     int AddPoint(const btMultiBodyLinkCollider& link, const btVector3& arm);
-    /// Has the unknowns begin with this element of a vector. The element behind the last one.
+    /// Has the unknowns begin with this element of a vector. Returns the element behind the last one.
     int Number(int first);
-    /// True if the elements of vectors from `first` on are those of multibodies.
-    bool IsEmpty() const
-    {
-        return m_bodies.empty();
-    }
     btVector3 MotionAt(int point, const Vector& x) const;
     void AddForceAt(int point, const btVector3& force, Vector* to) const;
     /// Sets what resists the unknowns alone.
