@@ -137,16 +137,15 @@ START_TEST(outer_edges_hold_convex_shapes)
 }
 END_TEST
 
-/// Two rails along z whose ridges are at height 0, with flanks of this slope.
-qcModel RailModel(btScalar half, btScalar slope, int segments)
+/// Two rails along z whose ridges are at height 0, with flanks of this slope, a rectangle each.
+qcModel RailModel(btScalar half, btScalar slope)
 {
     qcModel model;
     for (btScalar x : {btScalar(-0.3), btScalar(0.3)})
         for (btScalar side : {btScalar(-1), btScalar(1)})
         {
             const btVector3 along(0, 0, 2 * half), down(side * btScalar(0.1), -slope * btScalar(0.1), 0);
-            qcAddGrid(&model, btVector3(x, 0, -half), side < 0 ? down : along, side < 0 ? along : down,
-                      side < 0 ? 1 : segments, side < 0 ? segments : 1);
+            qcAddGrid(&model, btVector3(x, 0, -half), side < 0 ? down : along, side < 0 ? along : down, 1, 1);
         }
     return model;
 }
@@ -156,8 +155,7 @@ START_TEST(ridges_that_a_flat_face_slides_along_have_its_normal)
 {
     const btScalar height = btScalar(0.2);
     const bool isCylinder = _i == 1;
-    for (const auto& [slope, segments] : {std::make_pair(btScalar(0.3), 1), std::make_pair(btScalar(1), 1),
-                                          std::make_pair(btScalar(3), 1), std::make_pair(btScalar(3), 40)})
+    for (const btScalar slope : {btScalar(0.3), btScalar(1), btScalar(3)})
     {
         int loaded = 0, tilted = 0;
         btScalar drift = 0;
@@ -167,7 +165,7 @@ START_TEST(ridges_that_a_flat_face_slides_along_have_its_normal)
             // Coordinates without roundings that agree.
             const btTransform place(btQuaternion(btVector3(1, btScalar(start), 2).normalized(), btScalar(0.7)));
             world.world.setGravity(place.getBasis() * btVector3(0, -10, 0));
-            btCollisionShape* rails = world.Keep(RailModel(4, slope, segments).MakeShape());
+            btCollisionShape* rails = world.Keep(RailModel(4, slope).MakeShape());
             rails->setMargin(s_margin);
             world.Add(rails, 0, place);
             std::unique_ptr<btCollisionShape> shape =
@@ -199,10 +197,8 @@ START_TEST(ridges_that_a_flat_face_slides_along_have_its_normal)
             drift = std::max(drift, btFabs((place.inverse() * body->getWorldTransform().getOrigin()).x()));
         }
         ck_assert_int_gt(loaded, 500);
-        ck_assert_msg(tilted <= loaded / 100, "slope %g, %d segments: %d of %d tilted", double(slope), segments, tilted,
-                      loaded);
-        ck_assert_msg(drift < btScalar(0.1), "slope %g, %d segments: off by %g m", double(slope), segments,
-                      double(drift));
+        ck_assert_msg(tilted <= loaded / 100, "slope %g: %d of %d tilted", double(slope), tilted, loaded);
+        ck_assert_msg(drift < btScalar(0.1), "slope %g: off by %g m", double(slope), double(drift));
     }
 }
 END_TEST
