@@ -12,8 +12,13 @@
 #if __has_feature(memory_sanitizer)
 #define QC_HAS_MEMORY_SANITIZER
 #endif
+#if __has_feature(address_sanitizer)
+#define QC_HAS_ADDRESS_SANITIZER
+#endif
 #elif defined(__SANITIZE_THREAD__)
 #define QC_HAS_THREAD_SANITIZER
+#elif defined(__SANITIZE_ADDRESS__)
+#define QC_HAS_ADDRESS_SANITIZER
 #endif
 
 /// Whether a child of a process with several threads may start threads of its own. The thread sanitizer's tables still
@@ -45,6 +50,17 @@ static inline bool qcForksCanWait(void)
 {
 #ifdef QC_HAS_MEMORY_SANITIZER
     printf("skipped: no thread allocates while the memory sanitizer forks\n");
+    return false;
+#else
+    return true;
+#endif
+}
+
+/// Whether the address space may be limited. Sanitizers need terabytes of it for what they know of each byte.
+static inline bool qcCanLimitAddresses(void)
+{
+#if defined(QC_HAS_ADDRESS_SANITIZER) || defined(QC_HAS_MEMORY_SANITIZER) || defined(QC_HAS_THREAD_SANITIZER)
+    printf("skipped: sanitizers need more addresses\n");
     return false;
 #else
     return true;
