@@ -148,15 +148,14 @@ void qcElasticSystem::FindNodes(const std::vector<qcNodeElasticity::LoadedBody>&
         {
             const auto number = size_t(m_elasticity->FirstNodeOf(body) + i);
             m_bodyOfNode[number] = int(body);
-            const bool isTied = Tie(*bodies[body].soft->body, i, int(number));
-            m_isFree[body] = m_isFree[body] && !isTied;
-            if (isTied || (bodies[body].soft->InverseMass(uint32_t(i)) > 0 && !m_elasticity->IsHeld(int(number))))
+            const bool movesAlone =
+                bodies[body].soft->InverseMass(uint32_t(i)) > 0 && !m_elasticity->IsHeld(int(number));
+            m_isFree[body] = m_isFree[body] && movesAlone;
+            if (movesAlone || Tie(*bodies[body].soft->body, i, int(number)))
             {
                 m_nodes[number] = &bodies[body].soft->body->m_nodes[i];
                 m_masses[number] = 1 / m_nodes[number]->m_im;
             }
-            else
-                m_isFree[body] = false;
         }
 }
 

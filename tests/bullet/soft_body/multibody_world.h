@@ -185,7 +185,11 @@ class qcRobot
 {
   public:
     qcRobot(qcMultiBodyWorld& world, int links, btScalar baseMass, const btVector3& baseHalf, bool hasFixedBase)
-        : m_world(world.World()), m_body(links, baseMass, InertiaOf(baseMass, baseHalf), hasFixedBase, true)
+        : qcRobot(world.World(), links, baseMass, baseHalf, hasFixedBase)
+    {
+    }
+    qcRobot(btMultiBodyDynamicsWorld& world, int links, btScalar baseMass, const btVector3& baseHalf, bool hasFixedBase)
+        : m_world(world), m_body(links, baseMass, InertiaOf(baseMass, baseHalf), hasFixedBase, true)
     {
         m_body.setLinearDamping(0);
         m_body.setAngularDamping(0);

@@ -1,10 +1,9 @@
 // Bodies of tetrahedra with bodies that are anchored to them, and with links of multibodies that carry or press them,
 // in the deformable world: nothing gains energy, and both sides bear each other.
 #include "bullet/soft_body/load_world.h"
+#include "bullet/soft_body/multibody_world.h"
 
-#include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyJointMotor.h>
-#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
 namespace
 {
@@ -59,79 +58,49 @@ struct SoftCubeWorld : qcLoadWorld
     }
 };
 
-/// A multibody of boxes: a base, and links that slide along an axis each.
-class Slides
+/// A multibody whose links slide along an axis each, some by motors. It doesn't sleep.
+struct Slides
 {
-  public:
-    Slides(btMultiBodyDynamicsWorld* world, int links, btScalar baseMass, const btVector3& place)
-        : m_world(world), m_body(links, baseMass, btVector3(baseMass, baseMass, baseMass), baseMass == 0, false)
+    btMultiBodyDynamicsWorld& world;
+    qcRobot robot;
+    std::vector<std::unique_ptr<btMultiBodyJointMotor>> motors;
+
+    Slides(btMultiBodyDynamicsWorld& in, int links, btScalar baseMass, const btVector3& half, const btVector3& place)
+        : world(in), robot(in, links, baseMass, half, baseMass == 0)
     {
-        m_body.setBasePos(place);
+        robot.Body().setBasePos(place);
+        robot.Body().setCanSleep(false);
     }
 
     ~Slides()
     {
-        for (const auto& motor : m_motors)
-            m_world->removeMultiBodyConstraint(motor.get());
-        for (const auto& collider : m_colliders)
-            m_world->removeCollisionObject(collider.get());
-        m_world->removeMultiBody(&m_body);
+        for (const auto& motor : motors)
+            world.removeMultiBodyConstraint(motor.get());
     }
 
     Slides(const Slides&) = delete;
     Slides& operator=(const Slides&) = delete;
 
-    void SetLink(int link, btScalar mass, const btVector3& axis, const btVector3& fromBase)
+    void SetLink(int link, btScalar mass, const btVector3& half, const btVector3& axis, const btVector3& fromBase)
     {
-        m_body.setupPrismatic(link, mass, btVector3(mass, mass, mass), -1, btQuaternion::getIdentity(), axis, fromBase,
-                              btVector3(0, 0, 0), true);
-    }
-
-    void Finish()
-    {
-        m_body.setCanSleep(false);
-        m_body.finalizeMultiDof();
-        m_world->addMultiBody(&m_body);
+        robot.Body().setupPrismatic(link, mass, qcRobot::InertiaOf(mass, half), -1, btQuaternion::getIdentity(), axis,
+                                    fromBase, btVector3(0, 0, 0), true);
     }
 
     btMultiBodyLinkCollider* AddBox(int link, const btVector3& half)
     {
-        m_shapes.emplace_back(new btBoxShape(half));
-        m_colliders.emplace_back(new btMultiBodyLinkCollider(&m_body, link));
-        btMultiBodyLinkCollider* collider = m_colliders.back().get();
-        collider->setCollisionShape(m_shapes.back().get());
+        btMultiBodyLinkCollider* collider = robot.AddBox(link, half);
         collider->setFriction(1);
-        if (link < 0)
-            m_body.setBaseCollider(collider);
-        else
-            m_body.getLink(link).m_collider = collider;
-        m_world->addCollisionObject(collider);
-        btAlignedObjectArray<btQuaternion> turns;
-        btAlignedObjectArray<btVector3> places;
-        m_body.forwardKinematics(turns, places);
-        m_body.updateCollisionObjectWorldTransforms(turns, places);
         return collider;
     }
 
     btMultiBodyJointMotor* AddMotor(int link, btScalar maxImpulse)
     {
-        m_motors.emplace_back(new btMultiBodyJointMotor(&m_body, link, 0, maxImpulse));
-        m_motors.back()->finalizeMultiDof();
-        m_world->addMultiBodyConstraint(m_motors.back().get());
-        return m_motors.back().get();
+        motors.emplace_back(new btMultiBodyJointMotor(&robot.Body(), link, 0, maxImpulse));
+        motors.back()->finalizeMultiDof();
+        world.addMultiBodyConstraint(motors.back().get());
+        return motors.back().get();
     }
-
-    btMultiBody& Body()
-    {
-        return m_body;
-    }
-
-  private:
-    btMultiBodyDynamicsWorld* m_world;
-    btMultiBody m_body;
-    std::vector<std::unique_ptr<btBoxShape>> m_shapes;
-    std::vector<std::unique_ptr<btMultiBodyLinkCollider>> m_colliders;
-    std::vector<std::unique_ptr<btMultiBodyJointMotor>> m_motors;
 };
 
 START_TEST(a_load_anchored_to_a_cube_comes_to_rest)
@@ -155,10 +124,10 @@ START_TEST(a_load_anchored_to_a_cube_comes_to_rest)
             else
             {
                 const bool isLink = load == Load::link;
-                slides = std::make_unique<Slides>(world.world.get(), isLink, btScalar(isLink ? 0 : 2), place);
+                slides = std::make_unique<Slides>(*world.world, isLink, btScalar(isLink ? 0 : 2), half, place);
                 if (isLink)
-                    slides->SetLink(0, 2, btVector3(0, 1, 0), btVector3(0, 0, 0));
-                slides->Finish();
+                    slides->SetLink(0, 2, half, btVector3(0, 1, 0), btVector3(0, 0, 0));
+                slides->robot.Finish();
                 btMultiBodyLinkCollider* collider = slides->AddBox(isLink ? 0 : -1, half);
                 world.AnchorTop(collider);
                 object = collider;
@@ -186,10 +155,11 @@ START_TEST(a_tray_of_a_multibody_carries_a_cube)
     for (const double rate : {60.0, 120.0})
     {
         SoftCubeWorld world(btVector3(0, -10, 0), rate, btScalar(0.5), 4, btScalar(0.58), 1);
-        Slides tray(world.world.get(), 1, 0, btVector3(0, btScalar(0.5), 0));
-        tray.SetLink(0, 20, btVector3(0, 1, 0), btVector3(0, 0, 0));
-        tray.Finish();
-        const btMultiBodyLinkCollider* plate = tray.AddBox(0, btVector3(btScalar(0.6), btScalar(0.05), btScalar(0.6)));
+        const btVector3 half(btScalar(0.6), btScalar(0.05), btScalar(0.6));
+        Slides tray(*world.world, 1, 0, half, btVector3(0, btScalar(0.5), 0));
+        tray.SetLink(0, 20, half, btVector3(0, 1, 0), btVector3(0, 0, 0));
+        tray.robot.Finish();
+        const btMultiBodyLinkCollider* plate = tray.AddBox(0, half);
         btMultiBodyJointMotor* motor = tray.AddMotor(0, btScalar(1000 / rate));
         world.Step(int(1.5 * rate));
         motor->setVelocityTarget(btScalar(0.3));
@@ -212,15 +182,16 @@ START_TEST(fingers_of_a_multibody_hold_a_cube)
     {
         const double rate = 120;
         SoftCubeWorld world(btVector3(0, -10, 0), rate, btScalar(0.3), 3, btScalar(0.02), btScalar(0.5));
-        Slides gripper(world.world.get(), 2, 0, btVector3(0, btScalar(0.2), 0));
+        const btVector3 half(btScalar(0.03), btScalar(0.12), btScalar(0.12));
+        Slides gripper(*world.world, 2, 0, half, btVector3(0, btScalar(0.2), 0));
         for (int i = 0; i < 2; i++)
-            gripper.SetLink(i, 1, btVector3(btScalar(i == 0 ? 1 : -1), 0, 0),
+            gripper.SetLink(i, 1, half, btVector3(btScalar(i == 0 ? 1 : -1), 0, 0),
                             btVector3(btScalar(i == 0 ? -0.3 : 0.3), 0, 0));
-        gripper.Finish();
+        gripper.robot.Finish();
         const btMultiBodyLinkCollider* fingers[2];
         for (int i = 0; i < 2; i++)
         {
-            fingers[i] = gripper.AddBox(i, btVector3(btScalar(0.03), btScalar(0.12), btScalar(0.12)));
+            fingers[i] = gripper.AddBox(i, half);
             gripper.AddMotor(i, btScalar(force / rate))->setVelocityTarget(btScalar(0.3));
         }
         world.Step(int(rate));
