@@ -54,8 +54,7 @@ void TakeBackGravity(qcSweptObject* swept, btScalar timeStep)
     if (!(gain.length2() > 0))
         return;
     const btScalar lost = LostPart(*swept), left = 1 - swept->lost;
-    const btVector3 &velocity = body->getLinearVelocity(),
-                    change = swept->before ? velocity - swept->before->linear : gain;
+    const btVector3 &velocity = body->getLinearVelocity(), change = swept->before ? velocity - *swept->before : gain;
     body->setLinearVelocity(velocity - gain * (lost * btClamped(gain.dot(change) / gain.length2(), btScalar(0), left)));
     swept->lost += left * lost;
 }

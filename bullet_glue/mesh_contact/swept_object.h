@@ -54,8 +54,8 @@ struct qcSweptObject
     bool isNew = true;                     ///< in its first step
     bool wasActive = false;                ///< a dynamic body that did not sleep when contact was searched
     bool wasFinite = true;                 ///< when the step started
-    /// Of a body, when contact was searched: without the step's forces. Empty: nothing had contact.
-    std::optional<qcRigidMotion> before;
+    /// Velocity of a body when contact was searched: without the step's forces. Empty: nothing had contact.
+    std::optional<btVector3> before;
     bool moves = false;                   ///< its end is not its start
     bool isPaired = false;                ///< it was in a pair in this step
     bool rests = false;                   ///< see qcRestingMeshes

@@ -136,7 +136,8 @@ void qcSweptObjects::MarkStarts()
     btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
     for (int i = 0; i < objects.size(); i++)
     {
-        if (DynamicBody(objects[i]) == nullptr)
+        const btRigidBody* body = DynamicBody(objects[i]);
+        if (body == nullptr)
             continue;
         if (qcMayHoldMeshes(objects[i]->getCollisionShape()) || (m_coreCount > 0 && Find(objects[i]) != nullptr))
         {
@@ -144,7 +145,7 @@ void qcSweptObjects::MarkStarts()
             swept->next = objects[i]->getWorldTransform();
             swept->wasActive = objects[i]->isActive();
             swept->wasFinite = qcIsFinite(*objects[i]);
-            swept->before.emplace(objects[i]);
+            swept->before = body->getLinearVelocity();
         }
         else if (objects[i]->getCcdSquareMotionThreshold() > 0)
             m_continuousStarts.emplace(qcObjectKey(objects[i]), objects[i]->getWorldTransform());
