@@ -21,13 +21,13 @@ size_t PaddedCount(size_t count)
     return (count + qcProducts::s_block - 1) / qcProducts::s_block * qcProducts::s_block;
 }
 
-/// Calls function(lane) for the lanes that are at least `least`.
-template <typename Function> void ForEachAbove(const qcLanes& lanes, btScalar least, Function function)
+/// Calls function(lane) for the lanes that are at level `level`.
+template <typename Function> void ForEachAbove(const qcLanes& lanes, btScalar level, Function function)
 {
-    if (!qcIsAny(lanes >= least))
+    if (!qcIsAny(lanes >= level))
         return;
     for (size_t lane = 0; lane < qcLaneCount; lane++)
-        if (lanes[lane] >= least)
+        if (lanes[lane] >= level)
             function(lane);
 }
 
@@ -125,21 +125,21 @@ qcProducts qcExtremeVertices::BoxesAlong(const btVector3& direction) const
             direction.z()};
 }
 
-/// Calls visit(first, end) for each run of vertices whose box reaches `least`. It returns what the following boxes have
+/// Calls visit(first, end) for each run of vertices whose box reaches `level`. It returns what the following boxes have
 /// to reach.
 template <typename Visit>
-void qcExtremeVertices::VisitRunsAbove(const qcProducts& boxes, btScalar least, Visit visit) const
+void qcExtremeVertices::VisitRunsAbove(const qcProducts& boxes, btScalar level, Visit visit) const
 {
     for (size_t run = 0; run < m_runs; run += qcLaneCount)
     {
         const qcLanes reached = boxes.At(run);
-        if (!qcIsAny(reached >= least))
+        if (!qcIsAny(reached >= level))
             continue;
         for (size_t lane = 0; lane < std::min(qcLaneCount, m_runs - run); lane++)
         {
             const size_t first = (run + lane) * s_run;
-            if (reached[lane] >= least)
-                least = visit(first, std::min(first + s_run, m_inRuns.x.size()));
+            if (reached[lane] >= level)
+                level = visit(first, std::min(first + s_run, m_inRuns.x.size()));
         }
     }
 }
@@ -188,11 +188,11 @@ uint32_t qcExtremeVertices::FindMax(const btVector3& direction) const
     return found < m_count ? found : 0;
 }
 
-void qcExtremeVertices::AppendAbove(const btVector3& direction, btScalar least, std::vector<uint32_t>* vertices) const
+void qcExtremeVertices::AppendAbove(const btVector3& direction, btScalar level, std::vector<uint32_t>* vertices) const
 {
     const qcProducts products = m_vertices.Along(direction);
     for (size_t i = 0; i < m_count; i += qcLaneCount)
-        ForEachAbove(products.At(i), least,
+        ForEachAbove(products.At(i), level,
                      [&](size_t lane)
                      {
                          if (i + lane < m_count)

@@ -55,8 +55,8 @@ class qcExtremeVertices
     btScalar Max(const btVector3& direction) const;
     /// The first vertex with that product.
     uint32_t FindMax(const btVector3& direction) const;
-    /// Appends the vertices whose product with the direction is at least `least`, in order. O(vertices).
-    void AppendAbove(const btVector3& direction, btScalar least, std::vector<uint32_t>* vertices) const;
+    /// Appends the vertices whose product with the direction is at least `level`, in order. O(vertices).
+    void AppendAbove(const btVector3& direction, btScalar level, std::vector<uint32_t>* vertices) const;
 
   private:
     /// Coordinates of points.
@@ -71,7 +71,7 @@ class qcExtremeVertices
 
     void MakeRuns(const btVector3* points);
     qcProducts BoxesAlong(const btVector3& direction) const;
-    template <typename Visit> void VisitRunsAbove(const qcProducts& boxes, btScalar least, Visit visit) const;
+    template <typename Visit> void VisitRunsAbove(const qcProducts& boxes, btScalar level, Visit visit) const;
 
     size_t m_count, m_runs = 0; ///< runs: 0 for a small mesh
     Points m_vertices;

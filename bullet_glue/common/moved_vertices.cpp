@@ -20,9 +20,10 @@ std::vector<btVector3> Transformed(const btTransform& transform, const btVector3
 
 bool qcHaveMoved(const btVector3* last, const btVector3* vertices, size_t count, const btVector3 box[2])
 {
-    const btScalar most = (box[1] - box[0]).length2() / 4;
+    const btScalar maxSquared = (box[1] - box[0]).length2() / 4;
     return std::equal(vertices, vertices + count, last,
-                      [most](const btVector3& to, const btVector3& from) { return to.distance2(from) <= most; });
+                      [maxSquared](const btVector3& to, const btVector3& from)
+                      { return to.distance2(from) <= maxSquared; });
 }
 
 qcStatus qcAddDeforming(qcScene* scene, qcBodyDef def, const btTransform& transform, qcBodyId* id)

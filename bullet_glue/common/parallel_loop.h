@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <functional>
 
-/// Threads that qcForEach runs on; `threads`: 0: one per core.
+/// Threads that qcForEach runs on; `threads`: 0: one per core, or the number given to qcSetParallelFor.
 uint32_t qcWorkersOf(unsigned threads);
 
 /// Calls function(index, worker) once for each index below `count`, on up to `workers` threads that take `block` calls

@@ -111,18 +111,9 @@ uint64_t qcMeshRevision(const btCollisionShape* shape)
 {
     if (const qcMeshShape* ours = qcAsMeshShape(shape))
         return ours->getRevision();
-    // FNV-1a over the bytes of the scaling and of the box.
-    uint64_t hash = 14695981039346656037u;
-    btVector3 vectors[3] = {shape->getLocalScaling()};
-    shape->getAabb(btTransform::getIdentity(), vectors[1], vectors[2]);
-    for (const btVector3& vector : vectors)
-        for (int axis = 0; axis < 3; axis++)
-        {
-            btScalar value = vector[axis];
-            for (size_t i = 0; i < sizeof value; i++)
-                hash = (hash ^ reinterpret_cast<const unsigned char*>(&value)[i]) * 1099511628211u;
-        }
-    return hash;
+    btVector3 lower, upper;
+    shape->getAabb(btTransform::getIdentity(), lower, upper);
+    return qcMixVector(qcMixVector(qcMixVector(1, shape->getLocalScaling()), lower), upper);
 }
 
 uint64_t qcMixScalar(uint64_t hash, btScalar value)

@@ -14,6 +14,12 @@ struct qcTriangleSource
     int part, index;
 };
 
+/// The source of a triangle. `sources`: by triangle; none: they are those of one part, in order.
+inline qcTriangleSource qcSourceOf(const std::vector<qcTriangleSource>& sources, uint32_t triangle)
+{
+    return sources.empty() ? qcTriangleSource{0, int(triangle)} : sources[triangle];
+}
+
 /// False if neither the shape nor a child of it can be a mesh. A cheap test that excludes most objects of a world.
 inline bool qcMayHoldMeshes(const btCollisionShape* shape)
 {

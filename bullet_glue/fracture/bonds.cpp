@@ -175,10 +175,10 @@ bool IsShared(const CutFace* begin, const CutFace* middle, const CutFace* end)
 void AddBonds(const CutFace* begin, const CutFace* middle, const CutFace* end, const qcFractureUnits& units,
               std::vector<qcBond>* bonds)
 {
-    const bool isShared = IsShared(begin, middle, end), isLow = end - middle == 1;
+    const bool isShared = IsShared(begin, middle, end), takesLow = end - middle == 1;
     for (const CutFace* low = begin; low != middle; low++)
         for (const CutFace* high = middle; high != end; high++)
-            AddBond(*low, *high, isShared ? AreaOf(isLow ? *low : *high) : Overlap(*low, *high), units, bonds);
+            AddBond(*low, *high, isShared ? AreaOf(takesLow ? *low : *high) : Overlap(*low, *high), units, bonds);
 }
 
 std::vector<CutFace> FindFaces(const std::vector<qcPieceCuts>& pieces)

@@ -18,8 +18,9 @@ struct qcPieceCuts
     std::vector<qcCutTriangle> triangles;
 };
 
-/// The bonds between pieces, ordered by the two pieces. Where at most one piece of a cell borders on a cut, its whole
-/// face there counts; otherwise the overlap of faces is computed. About O(cut triangles * log(cut triangles)).
+/// The bonds between pieces, ordered by the two pieces. Where one side of a cut has a single face, and both sides have
+/// the same area, each face of the other side counts as a whole; otherwise the overlap of faces is computed. About
+/// O(cut triangles * log(cut triangles)).
 std::vector<qcBond> qcFindBonds(const std::vector<qcPieceCuts>& pieces, const qcFractureUnits& units);
 
 #endif

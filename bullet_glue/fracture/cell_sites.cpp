@@ -61,7 +61,7 @@ class ExactSum
     size_t m_count = 0;
 };
 
-/// |b - origin|^2 - |a - origin|^2, rounded once.
+/// |b - origin|^2 - |a - origin|^2, an exact sum that is rounded at its end. Exchanging a and b exactly negates it.
 double DifferenceOfSquares(const qcClipPoint& a, const qcClipPoint& b, const qcClipPoint& origin)
 {
     ExactSum sum;

@@ -19,7 +19,7 @@ std::string qcFractureSites_Find(const qcFractureDef& def, const qcFractureUnits
                                  qcFractureSites* sites);
 
 /// The bisector of two sites in local positions; the second site is outside. Exchanging the sites exactly negates the
-/// numbers. The result is exact but for one rounding, however far away the sites are.
+/// numbers. Its numbers are off by a few units in the last place, however far away the sites are.
 qcClipPlane qcFractureSites_Bisect(const qcFractureSites& sites, uint32_t site, uint32_t other, uint32_t face);
 
 /// Clips a solid to the cell of a site without a list of its neighbours: by the nearest sites, until the next one is

@@ -8,7 +8,7 @@
 #include "common/mass_properties.h"
 #include "fracture/bonds.h"
 #include "fracture/cell_sites.h"
-#include "fracture/parallel_cells.h"
+#include "fracture/parallel_scratch.h"
 #include "fracture/voronoi_cells.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
@@ -172,24 +172,24 @@ void JoinHollows(std::vector<qcFacetedMesh>* islands)
         }
         return true;
     };
-    for (size_t i = 0; i < islands->size() && islands->size() > 1; i++)
+    if (islands->size() == 1)
+        return;
+    std::vector<double> volumes;
+    for (const qcFacetedMesh& island : *islands)
     {
         qcClipPoint first;
-        if (qcFacetedMesh_Measure((*islands)[i], &first) >= 0)
+        volumes.push_back(qcFacetedMesh_Measure(island, &first));
+    }
+    for (size_t i = 0; i < islands->size(); i++)
+    {
+        if (volumes[i] >= 0)
             continue;
         qcFacetedMesh& inner = (*islands)[i];
         size_t around = islands->size();
-        double least = 0;
         for (size_t k = 0; k < islands->size(); k++)
-        {
-            const qcFacetedMesh& outer = (*islands)[k];
-            double volume = k == i ? 0 : qcFacetedMesh_Measure(outer, &first);
-            if (volume <= 0 || (around < islands->size() && volume >= least) || !holds(outer, inner) ||
-                WindingAbout(outer, inner.points[0]) < 0.5)
-                continue;
-            around = k;
-            least = volume;
-        }
+            if (volumes[k] > 0 && (around == islands->size() || volumes[k] < volumes[around]) &&
+                holds((*islands)[k], inner) && WindingAbout((*islands)[k], inner.points[0]) >= 0.5)
+                around = k;
         if (around == islands->size())
             continue;
         qcFacetedMesh& outer = (*islands)[around];

@@ -96,13 +96,13 @@ struct CutPlane
             n = {normal[0] / length, normal[1] / length, normal[2] / length};
         // Both sides of the cut choose the same axis, though their normals differ by rounding: nearly equal
         // components, as of a plane at 45 degrees, count as equal.
-        size_t least = 0;
+        size_t smallest = 0;
         for (size_t i = 1; i < 3; i++)
-            if (std::fabs(n[i]) < 0.999 * std::fabs(n[least]))
-                least = i;
+            if (std::fabs(n[i]) < 0.999 * std::fabs(n[smallest]))
+                smallest = i;
         u = {0, 0, 0};
-        u[least] = 1;
-        double along = n[least];
+        u[smallest] = 1;
+        double along = n[smallest];
         u = {u[0] - along * n[0], u[1] - along * n[1], u[2] - along * n[2]};
         double size = std::sqrt(qcDotOf(u, u));
         u = {u[0] / size, u[1] / size, u[2] / size};

@@ -9,6 +9,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
+#include <memory>
+#include <new>
 #include <numeric>
 #include <optional>
 
@@ -154,7 +157,23 @@ struct Face
     qcFacetedMesh* mesh;
     std::vector<uint32_t> corners;
     bool failed = false;
+    std::exception_ptr thrown; ///< by a callback: exceptions don't pass through GLU
 };
+
+/// Calls function(face) for a callback of the tesselator.
+template <typename Function> void CallGuarded(void* context, Function function)
+{
+    Face* face = static_cast<Face*>(context);
+    try
+    {
+        function(*face);
+    }
+    catch (...)
+    {
+        face->failed = true;
+        face->thrown = std::current_exception();
+    }
+}
 
 void* DataOf(uint32_t point)
 {
@@ -166,9 +185,9 @@ uint32_t PointOf(const void* data)
     return uint32_t(reinterpret_cast<uintptr_t>(data) - 1);
 }
 
-void APIENTRY OnVertex(void* data, void* face)
+void APIENTRY OnVertex(void* data, void* context)
 {
-    static_cast<Face*>(face)->corners.push_back(PointOf(data));
+    CallGuarded(context, [data](Face& face) { face.corners.push_back(PointOf(data)); });
 }
 
 void APIENTRY OnEdge(GLboolean, void*)
@@ -194,8 +213,7 @@ qcClipPoint Crossing(const qcClipPoint& a, const qcClipPoint& b, const qcClipPoi
 /// A point where edges of the loops cross or touch. The tesselator's own position is of single precision.
 void APIENTRY OnCombine(GLdouble[3], void* data[4], GLfloat[4], void** out, void* context)
 {
-    Face* face = static_cast<Face*>(context);
-    std::vector<qcClipPoint>& points = face->mesh->points;
+    std::vector<qcClipPoint>& points = static_cast<Face*>(context)->mesh->points;
     *out = data[0];
     if (data[2] == nullptr || data[3] == nullptr)
         return;
@@ -207,8 +225,12 @@ void APIENTRY OnCombine(GLdouble[3], void* data[4], GLfloat[4], void** out, void
             *out = data[i];
             return;
         }
-    points.push_back(p);
-    *out = DataOf(uint32_t(points.size() - 1));
+    auto add = [&](Face&)
+    {
+        points.push_back(p);
+        *out = DataOf(uint32_t(points.size() - 1));
+    };
+    CallGuarded(context, add);
 }
 
 template <typename Function> void SetCallback(GLUtesselator* tesselator, GLenum which, Function function)
@@ -225,10 +247,13 @@ void AddTriangle(qcFacetedMesh* mesh, const std::array<uint32_t, 3>& v, uint32_t
 
 void Tesselate(qcFacetedMesh* mesh, const qcClipPoint& normal, uint32_t number, const qcClipLoops& loops)
 {
-    GLUtesselator* tesselator = loops.ends.empty() ? nullptr : gluNewTess();
-    if (tesselator == nullptr)
+    if (loops.ends.empty())
         return;
-    Face face{mesh, {}, false};
+    const std::unique_ptr<GLUtesselator, void(APIENTRY*)(GLUtesselator*)> owner(gluNewTess(), gluDeleteTess);
+    GLUtesselator* tesselator = owner.get();
+    if (tesselator == nullptr)
+        throw std::bad_alloc();
+    Face face{mesh, {}, false, nullptr};
     SetCallback(tesselator, GLU_TESS_VERTEX_DATA, OnVertex);
     SetCallback(tesselator, GLU_TESS_EDGE_FLAG_DATA, OnEdge);
     SetCallback(tesselator, GLU_TESS_ERROR_DATA, OnError);
@@ -248,7 +273,8 @@ void Tesselate(qcFacetedMesh* mesh, const qcClipPoint& normal, uint32_t number, 
         gluTessEndContour(tesselator);
     }
     gluTessEndPolygon(tesselator);
-    gluDeleteTess(tesselator);
+    if (face.thrown != nullptr)
+        std::rethrow_exception(face.thrown);
     for (size_t i = 0; i + 2 < face.corners.size() && !face.failed; i += 3)
         AddTriangle(mesh, {face.corners[i], face.corners[i + 1], face.corners[i + 2]}, number);
 }

@@ -12,7 +12,7 @@ struct qcFractureUnits
     double length = 1;              ///< of a unit, in the mesh's frame: a power of two, so that scaling is exact
     qcClipPoint origin = {0, 0, 0}; ///< in the mesh's frame, in units; 0 along an axis unless the mesh is far from it
 
-    /// In units from the origin of the mesh's frame. Exact unless it overflows.
+    /// In units from the origin of the mesh's frame. Exact unless it overflows or underflows.
     qcClipPoint Scaled(const btVector3& position) const;
     /// In units from `origin`. Exact for vertices of the mesh.
     qcClipPoint Local(const btVector3& position) const;

@@ -4,7 +4,7 @@
 // box.
 #include "fracture/voronoi_cells.h"
 
-#include "fracture/parallel_cells.h"
+#include "fracture/parallel_scratch.h"
 
 #include "quickcullide/base.h"
 

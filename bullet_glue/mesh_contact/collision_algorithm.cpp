@@ -5,7 +5,7 @@
 #include "mesh_contact/collision_algorithm.h"
 
 #include "common/object_motion.h"
-#include "mesh_contact/turned_points.h"
+#include "mesh_contact/points/turned_points.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>

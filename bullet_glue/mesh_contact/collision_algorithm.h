@@ -3,8 +3,8 @@
 #define QC_GLUE_MESH_CONTACT_COLLISION_ALGORITHM_H
 
 #include "mesh_contact/contact_batch.h"
-#include "mesh_contact/contact_reduction.h"
-#include "mesh_contact/margin_overlap.h"
+#include "mesh_contact/points/contact_reduction.h"
+#include "mesh_contact/points/margin_overlap.h"
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 

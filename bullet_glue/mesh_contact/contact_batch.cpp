@@ -6,7 +6,7 @@
 #include "common/parallel_loop.h"
 #include "common/profiled_detect.h"
 #include "common/stopwatch.h"
-#include "mesh_contact/draw_candidates.h"
+#include "mesh_contact/scene/draw_candidates.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <LinearMath/btQuickprof.h>
@@ -34,6 +34,14 @@ void BoxIn(const qcPlacedMesh& mesh, const qcPlacedMesh& frame, btScalar distanc
     box[0] -= grow;
     box[1] += grow;
 }
+
+/// See qcBatchScene::GetSpacing, for a single pair.
+btScalar SpacingOf(const btCollisionShape* a, const btCollisionShape* b)
+{
+    const btScalar edge = std::min(qcEdgeLengthOf(a, qcCountTriangles(a)), qcEdgeLengthOf(b, qcCountTriangles(b)));
+    const btScalar threshold = qcContactDistance(a, b);
+    return edge < threshold ? threshold : btScalar(0);
+}
 } // namespace
 
 btScalar qcContactDistance(const btCollisionShape* a, const btCollisionShape* b)
@@ -50,13 +58,13 @@ void qcMeshBatch::Note(qcStatus status)
         statistics.status = status;
 }
 
-qcDetectDef qcMeshBatch::DetectDef(btScalar margin) const
+qcDetectDef qcMeshBatch::DetectDef(btScalar margin, btScalar spacing) const
 {
     qcDetectDef def = qcProfiledDetectDef();
     def.method = settings.method;
     def.margin = double(margin);
     def.manifolds = true;
-    def.spacing = double(m_scene.GetSpacing());
+    def.spacing = double(spacing);
     def.threads = settings.threads;
     return def;
 }
@@ -163,7 +171,7 @@ void qcMeshBatch::SampleImpacts()
 {
     BT_PROFILE("qcMeshContact look ahead");
     double start = qcNowMs();
-    Note(m_impacts.Sample(m_scene.Get(), DetectDef(m_scene.GetMargin())));
+    Note(m_impacts.Sample(m_scene.Get(), DetectDef(m_scene.GetMargin(), m_scene.GetSpacing())));
     statistics.moments = m_impacts.GetSampleCount();
     statistics.aheadMs = qcNowMs() - start;
 }
@@ -213,7 +221,7 @@ void qcMeshBatch::NumberSlots()
 qcStatus qcMeshBatch::Detect()
 {
     BT_PROFILE("qcMeshContact detect");
-    qcDetectDef def = DetectDef(m_scene.GetMargin());
+    qcDetectDef def = DetectDef(m_scene.GetMargin(), m_scene.GetSpacing());
     def.candidates = m_reportsCandidates;
     // The distances of fine meshes take longer than what they save.
     def.proximities = def.spacing == 0;
@@ -448,16 +456,17 @@ void qcMeshBatch::QueryPair(const qcPlacedMesh& a, const qcPlacedMesh& b, btScal
     }
     qcSceneDef def = qcDefaultSceneDef();
     qcScene* scene = nullptr;
+    qcStatus status = qcScene_Create(&def, &scene);
+    const std::unique_ptr<qcScene, decltype(&qcScene_Destroy)> owner(scene, qcScene_Destroy);
     qcBodyId idA, idB;
     std::vector<qcTriangleSource> sourcesA, sourcesB;
     btVector3 boxA[2], boxB[2];
     BoxIn(b, a, distance, boxA);
     BoxIn(a, b, distance, boxB);
-    qcDetectDef detectDef = DetectDef(distance);
+    qcDetectDef detectDef = DetectDef(distance, SpacingOf(a.shape, b.shape));
     // A new scene has no measured costs for the planner, and its geometry is not on the device.
     detectDef.method = qc_methodSweep;
     const qcResult* result = nullptr;
-    qcStatus status = qcScene_Create(&def, &scene);
     if (status == qc_statusOk)
         status = qcAddMesh(scene, {a.shape, a.transform, qc_activityMoving, 0, boxA}, &idA, &sourcesA);
     if (status == qc_statusOk)
@@ -466,7 +475,6 @@ void qcMeshBatch::QueryPair(const qcPlacedMesh& a, const qcPlacedMesh& b, btScal
         status = qcScene_Detect(scene, &detectDef, &result);
     if (status == qc_statusOk)
         qcAppendPoints(*result, idA, sourcesA, idB, sourcesB, points);
-    qcScene_Destroy(scene);
     std::lock_guard<std::mutex> lock(m_mutex);
     statistics.queries++;
     Note(status);
@@ -537,7 +545,7 @@ void qcMeshBatch::Draw(btIDebugDraw* drawer, int modes)
     // The triangles of pairs that a plane separates are not queried before they are drawn.
     if (m_result != nullptr && m_planes.GetPairCount() > 0)
     {
-        qcDetectDef def = DetectDef(m_scene.GetMargin());
+        qcDetectDef def = DetectDef(m_scene.GetMargin(), m_scene.GetSpacing());
         def.candidates = m_reportsCandidates;
         def.pairFilter = HasPair;
         def.pairFilterContext = this;

@@ -3,12 +3,12 @@
 #define QC_GLUE_MESH_CONTACT_CONTACT_BATCH_H
 
 #include "common/rigid_limits.h"
-#include "mesh_contact/batch_scene.h"
-#include "mesh_contact/batch_validity.h"
 #include "mesh_contact/bounces.h"
 #include "mesh_contact/impact_sampling.h"
-#include "mesh_contact/motion_limiter.h"
-#include "mesh_contact/plane_pairs.h"
+#include "mesh_contact/limits/motion_limiter.h"
+#include "mesh_contact/planes/plane_pairs.h"
+#include "mesh_contact/scene/batch_scene.h"
+#include "mesh_contact/scene/batch_validity.h"
 
 #include <atomic>
 #include <mutex>
@@ -74,7 +74,7 @@ class qcMeshBatch : public qcRigidLimits, public qcKnownGaps
     void ForgetLeftOut();
     void Limit(btScalar timeStep);
     bool AreLeftOut(const qcPlacedMesh& a, const qcPlacedMesh& b);
-    qcDetectDef DetectDef(btScalar margin) const;
+    qcDetectDef DetectDef(btScalar margin, btScalar spacing) const;
     void ReadPairs();
     void SampleImpacts();
     qcStatus Detect();

@@ -1,6 +1,7 @@
 // Sampling the rigid motion of a step. plugin/docs/mesh_contact.md
 #include "mesh_contact/impact_sampling.h"
 
+#include "common/first_error.h"
 #include "common/object_motion.h"
 
 #include <LinearMath/btTransformUtil.h>
@@ -34,9 +35,7 @@ btScalar MaxSpeedBetween(const qcMovingMesh& a, const qcMovingMesh& b)
 {
     qcRigidMotion motionA(a.object), motionB(b.object);
     const qcMovingMesh& small = a.radius < b.radius ? a : b;
-    btVector3 centre = small.object->getWorldTransform().getOrigin();
-    return (motionA.VelocityAt(centre) - motionB.VelocityAt(centre)).length() +
-           (motionA.angular - motionB.angular).length() * small.radius;
+    return qcMaxSpeedBetween(motionA, motionB, small.object->getWorldTransform().getOrigin(), small.radius);
 }
 
 /// The time at which two bodies touched, by linear interpolation of their distance: `previous` at `previousTime`, and
@@ -130,8 +129,7 @@ qcStatus qcImpactSampler::SetTransforms(qcScene* scene, btScalar time) const
         if (qcIsStatic(mesh.moving.object))
             continue;
         qcTransform transform = qcTransformOf(TransformAt(mesh, time));
-        qcStatus set = qcScene_SetTransform(scene, mesh.moving.id, &transform);
-        status = status == qc_statusOk ? set : status;
+        status = qcFirstError(status, qcScene_SetTransform(scene, mesh.moving.id, &transform));
     }
     return status;
 }
@@ -355,16 +353,15 @@ qcDetectDef qcImpactSampler::SampleDef(const qcDetectDef& def)
 
 qcStatus qcImpactSampler::Sample(qcScene* scene, const qcDetectDef& def)
 {
+    SortPairs();
     if (!SelectPairs(true))
         return qc_statusOk;
-    SortPairs();
     m_stopTimes.assign(m_meshes.size(), BT_LARGE_FLOAT);
     qcDetectDef sampleDef = SampleDef(def);
     qcStatus status = RunPass(scene, sampleDef);
     for (int pass = 1; pass < qcMaxStops && status == qc_statusOk && SelectPairs(false); pass++)
         status = RunPass(scene, sampleDef);
-    qcStatus restored = SetTransforms(scene, 0);
-    return status == qc_statusOk ? restored : status;
+    return qcFirstError(status, SetTransforms(scene, 0));
 }
 
 void qcImpactSampler::AppendPoints(qcBodyId a, const btTransform& transformA, qcBodyId b, const btTransform& transformB,
@@ -377,18 +374,10 @@ void qcImpactSampler::AppendPoints(qcBodyId a, const btTransform& transformA, qc
     for (qcMeshPoint point : pair->points)
     {
         if (swapped)
-        {
-            std::swap(point.onA, point.onB);
-            std::swap(point.sourceA, point.sourceB);
-            point.normal = -point.normal;
-        }
+            point.Swap();
         point.onA = transformA * point.onA;
         point.onB = transformB * point.onB;
-        point.distance = (point.onA - point.onB).dot(point.normal);
-        // Bullet requires ends on a line along the normal: each end takes half of the difference.
-        btVector3 aside = (point.onA - point.onB - point.distance * point.normal) / 2;
-        point.onA -= aside;
-        point.onB += aside;
+        point.AlignEnds();
         points->push_back(point);
     }
 }

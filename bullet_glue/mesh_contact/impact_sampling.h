@@ -3,8 +3,8 @@
 #ifndef QC_GLUE_MESH_CONTACT_IMPACT_SAMPLING_H
 #define QC_GLUE_MESH_CONTACT_IMPACT_SAMPLING_H
 
-#include "mesh_contact/plane_contact.h"
-#include "mesh_contact/rigid_motion.h"
+#include "common/rigid_motion.h"
+#include "mesh_contact/planes/plane_contact.h"
 
 #include <unordered_map>
 

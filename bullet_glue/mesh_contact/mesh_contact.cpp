@@ -33,11 +33,20 @@ btCollisionAlgorithm* Make(btCollisionAlgorithmConstructionInfo& info, qcMeshBat
     return new (info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(Algorithm))) Algorithm(info, batch, query);
 }
 
-struct MeshMeshCreate : btCollisionAlgorithmCreateFunc
+/// Creates algorithms that read the batch of a world.
+struct BatchCreate : btCollisionAlgorithmCreateFunc
 {
-    MeshMeshCreate(qcMeshBatch* ofWorld, bool forQueries) : batch(ofWorld), query(forQueries)
+    BatchCreate(qcMeshBatch* ofWorld, bool forQueries) : batch(ofWorld), query(forQueries)
     {
     }
+
+    qcMeshBatch* batch;
+    bool query;
+};
+
+struct MeshMeshCreate : BatchCreate
+{
+    using BatchCreate::BatchCreate;
 
     btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
                                                    const btCollisionObjectWrapper* body0,
@@ -49,16 +58,11 @@ struct MeshMeshCreate : btCollisionAlgorithmCreateFunc
         btGImpactCollisionAlgorithm::CreateFunc gimpact;
         return gimpact.CreateCollisionAlgorithm(info, body0, body1);
     }
-
-    qcMeshBatch* batch;
-    bool query;
 };
 
-struct MeshPlaneCreate : btCollisionAlgorithmCreateFunc
+struct MeshPlaneCreate : BatchCreate
 {
-    MeshPlaneCreate(qcMeshBatch* ofWorld, bool forQueries) : batch(ofWorld), query(forQueries)
-    {
-    }
+    using BatchCreate::BatchCreate;
 
     btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
                                                    const btCollisionObjectWrapper* body0,
@@ -71,9 +75,6 @@ struct MeshPlaneCreate : btCollisionAlgorithmCreateFunc
                 btEmptyAlgorithm(info);
         return Make<qcMeshPlaneAlgorithm>(info, batch, query);
     }
-
-    qcMeshBatch* batch;
-    bool query;
 };
 
 /// Bullet's worlds run actions right after they have integrated the transforms.

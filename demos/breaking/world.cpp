@@ -361,13 +361,11 @@ size_t qcBreakingWorld::Separate()
                       (first.island != nullptr && first.island->island.pieces.size() == island.pieces.size());
         if (stands || isSame)
             continue;
-        if (first.island != nullptr)
+        if (first.island != nullptr && std::find(broken.begin(), broken.end(), first.island) == broken.end())
             broken.push_back(first.island);
         Release(island);
         count++;
     }
-    std::sort(broken.begin(), broken.end());
-    broken.erase(std::unique(broken.begin(), broken.end()), broken.end());
     for (Island* island : broken)
     {
         m_world.removeRigidBody(island->body.get());

@@ -26,7 +26,7 @@ extern "C" {
 
 #define QC_VERSION_MAJOR 0  ///< Grows with each incompatible release, from 1.0.0 on.
 #define QC_VERSION_MINOR 8  ///< Grows with each release that adds something; before 1.0.0 it may break the ABI.
-#define QC_VERSION_PATCH 31 ///< Grows with each release that only fixes something.
+#define QC_VERSION_PATCH 32 ///< Grows with each release that only fixes something.
 /// The version of these headers as one number: 10000 * major + 100 * minor + patch.
 ///
 /// A definition (a struct that begins with structSize) may gain fields at its end. Start from its default function,
@@ -70,7 +70,7 @@ __attribute__((format(printf, 2, 3))) QC_API qcStatus qcFail(qcStatus status, co
 /// The name of a status, such as "bad input". Never null; static.
 QC_API const char* qcStatus_Name(qcStatus status);
 
-/// Allocates `size` bytes (> 0) aligned to 64, or returns null.
+/// Allocates `size` bytes (> 0) aligned to 64, or returns null. Must not throw.
 typedef void* qcAllocateFunction(size_t size, void* context);
 /// Frees memory that the allocate function returned for this `size`.
 typedef void qcFreeFunction(void* memory, size_t size, void* context);
@@ -83,6 +83,7 @@ QC_API qcStatus qcSetAllocator(qcAllocateFunction* allocate, qcFreeFunction* rel
 QC_API size_t qcGetByteCount(void);
 
 /// Receives one line of text without a newline, for example the reason for a fallback. `line` is valid during the call.
+/// It may be called on several threads at once. Must not throw.
 typedef void qcLogFunction(const char* line, void* context);
 
 /// Sets the function that receives log lines. Null, the default: lines are discarded.

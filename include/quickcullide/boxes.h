@@ -84,7 +84,8 @@ typedef struct qcBoxProfile
 /// The work of the last search for pairs. O(1).
 QC_API qcBoxProfile qcBoxes_GetProfile(const qcBoxes* boxes);
 
-/// Receives one box of a query, in the caller's floating-point modes. Returns false to stop the query.
+/// Receives one box of a query, in the caller's floating-point modes. Returns false to stop the query. Must
+/// not throw.
 typedef bool qcBoxFunction(uint32_t id, void* userData, void* context);
 
 /// Visits every box that overlaps the closed box. Bounds that are NaN count as unbounded. O(log n + found), typically.

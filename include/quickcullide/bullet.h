@@ -1,6 +1,9 @@
 /// @file
 /// The parts for Bullet, but for fracture and deformable bodies. Link quickcullide::bullet, or
 /// quickcullide::bullet_double where Bullet is built with BT_USE_DOUBLE_PRECISION.
+///
+/// Functions of these headers throw std::bad_alloc where the C++ library finds no memory, unless they say that they
+/// return qc_statusOutOfMemory.
 #ifndef QUICKCULLIDE_BULLET_H
 #define QUICKCULLIDE_BULLET_H
 

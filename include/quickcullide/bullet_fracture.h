@@ -88,8 +88,12 @@ struct qcFracture
 /// - the mesh is shorter than 1e-31 or longer than 8e37 (in double: its volume is not from 1e-298 to 1e308);
 /// - in double, the nearest site is further from the mesh than 1e144 times its length.
 ///
-/// About O(triangles * log(cells)). If two sites are closer than 1e-6 of the mesh's length, or all sites are further
-/// away than 64 lengths, O(cells * (triangles + cells)).
+/// About O(triangles * log(cells)). If two sites are closer than some 1e-6 of the length of the box around mesh and
+/// sites, or all sites are further away than 32 to 64 lengths, O(cells * (triangles + cells)). A mesh with hollows adds
+/// O(hollows * triangles).
+///
+/// Don't put more than 2000 sites on one circle around the axis of another site: voro++ ends the process where more
+/// than 2048 faces of a cell meet in a corner.
 ///
 /// Thread-safety: any thread may call it, several at once. Its loops run where the library's do: on the threads of
 /// qcSetParallelFor or qcSetTaskScheduler, else on the library's own. Pieces don't depend on the number of threads.
@@ -195,11 +199,11 @@ struct qcImpact
     btScalar reach = SIMD_INFINITY; ///< bonds whose centre is further from the place are not broken
 };
 
-/// Breaks bonds, in the order of the distance of their centres from the impact, beginning at the piece that was hit and
-/// going on over bonds that the impact broke. Each takes its energy. The last one may get less than it needs: it holds,
-/// and is weaker from then on. Returns the energy that was taken: 0, and nothing breaks, if the impact names no piece
-/// of the fracture, its energy is not positive, or `energies` does not have an entry for each bond. O(broken bonds *
-/// log(broken bonds)) plus O(bonds).
+/// Breaks bonds of a fracture of qcFracture_Split or qcFracture_Load, in the order of the distance of their centres
+/// from the impact, beginning at the piece that was hit and going on over bonds that the impact broke. Each takes its
+/// energy. The last one may get less than it needs: it holds, and is weaker from then on. Returns the energy that was
+/// taken: 0, and nothing breaks, if the impact names no piece of the fracture, its energy is not positive, or
+/// `energies` does not have an entry for each bond. O(broken bonds * log(broken bonds)) plus O(bonds).
 QC_API double qcBreakBonds(const qcFracture& fracture, const qcImpact& impact, std::vector<double>* energies);
 
 /// Pieces that hold together.
@@ -212,8 +216,9 @@ struct qcIsland
     btVector3 inertia{0, 0, 0}; ///< for mass 1, along the frame's axes
 };
 
-/// The islands: pieces connected by bonds of an energy above 0; bonds without an entry are broken. Each piece is in one
-/// island; islands are ordered by their first pieces. O(pieces + bonds).
+/// The islands of a fracture of qcFracture_Split or qcFracture_Load: pieces connected by bonds of an energy above 0;
+/// bonds without an entry are broken. Each piece is in one island; islands are ordered by their first pieces. O(pieces
+/// + bonds).
 QC_API std::vector<qcIsland> qcFindIslands(const qcFracture& fracture, const std::vector<double>& energies);
 
 /// The motion of an island that breaks off `body`. `frame`: of the body in the mesh's frame, that of the island that it

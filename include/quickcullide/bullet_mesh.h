@@ -200,10 +200,10 @@ struct qcMeshContactStatistics
 ///
 /// Contact points: all that the bodies' motion in the step may bring into contact, as far as Bullet's contact breaking
 /// threshold reaches and, for fine meshes, a fifth of an edge of each body, beyond both margins; on planes at any
-/// speed. Contacts that will come within the threshold during the step are created at its beginning, before the bodies
-/// penetrate. Points are grouped by normal. Each of up to four groups has a manifold of its own with the four points
-/// that span it, among them the deepest, or one of the previous step that is at most 5 % of the threshold less deep. A
-/// point near one of the previous step keeps its impulses.
+/// speed, but for links of multibodies. Contacts that will come within the threshold during the step are created at its
+/// beginning, before the bodies penetrate. Points are grouped by normal. Each of up to four groups has a manifold of
+/// its own with the four points that span it, among them the deepest, or one of the previous step that is at most 5 %
+/// of the threshold less deep. A point near one of the previous step keeps its impulses.
 ///
 /// Margins that overlap from the beginning, such as those of bodies that are stacked without a gap, or of the pieces of
 /// a body that breaks at rest: they give way within a second, so that the bodies are not thrown apart. Bodies that move
@@ -249,7 +249,8 @@ struct qcMeshContactStatistics
 /// the end of a step in which a mesh has moved "qcMeshContact limit". Within are the stages of each query: see
 /// qcDetectDef::enterStage.
 ///
-/// Must outlive the world. Thread-safety: the algorithms may run on several threads at once; the functions below belong
+/// Must outlive the world, but not until a dispatcher of another world lies at the address of its own. Thread-safety:
+/// the algorithms may run on several threads at once; the functions below belong
 /// to the world's thread.
 class QC_API qcMeshContact
 {
@@ -281,7 +282,8 @@ class QC_API qcMeshContact
     /// world. In an object that stays, by setCollisionShape or as a child of a compound, it needs this call.
     void updateShape(const btCollisionShape* shape);
 
-    /// Threads of queries, and of contact and limits of many small meshes; 0, the default: one per core.
+    /// Threads of queries, and of contact and limits of many small meshes; 0, the default: one per core, or the number
+    /// given to qcSetParallelFor.
     void setThreadCount(unsigned threads);
     /// The method of the queries; qc_methodAuto by default. qc_statusBadInput: `cullide` and `quick`, which miss pairs,
     /// and what is no method; the method stays as it was.

@@ -189,7 +189,8 @@ class QC_API qcSoftBodyContact
     /// world. In an object that stays, by setCollisionShape or as a child of a compound, it needs this call.
     void updateShape(const btCollisionShape* shape);
 
-    /// Threads of the queries; 0, the default: one per core. Queries that take less than 0.3 milliseconds run on one.
+    /// Threads of the queries; 0, the default: one per core, or the number given to qcSetParallelFor. Queries that take
+    /// less than 0.3 milliseconds run on one.
     void setThreadCount(unsigned threads);
     /// The method of the queries; qc_methodAuto by default. It changes the cost, not the simulation. `cullide` and
     /// `quick` have no contacts: each step then keeps Bullet's own positions, with status qc_statusBadInput.

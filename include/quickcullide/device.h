@@ -38,7 +38,8 @@ typedef struct qcDevice qcDevice;
 /// How to open a device. Make it with qcDefaultDeviceDef.
 ///
 /// For kind egl, gpuIndex, gpuName and gpuUuid select the GPU: the first that matches all of those given. If none is
-/// given, it is the first hardware GPU that works; otherwise it may also be one that draws in software.
+/// given, it is the first hardware GPU that works; otherwise it may also be one that draws in software. Texts and bytes
+/// are copied.
 typedef struct qcDeviceDef
 {
     uint32_t structSize; ///< sizeof(qcDeviceDef)

@@ -236,7 +236,7 @@ QC_API bool qcTrianglesStayApart(const double* startA, const double* endA, const
 
 /// Should the triangles of two different bodies, named by their slots, be tested? The slots may come in either order,
 /// and the answer must be the same for both. It must not change during a step. The function may be called several times
-/// for a pair and on several threads at once, and must not call functions of the scene.
+/// for a pair and on several threads at once, and must not throw, nor call functions of the scene.
 typedef bool (*qcPairFilter)(void* context, uint32_t slotA, uint32_t slotB);
 
 /// What a step computes, and how. Make it with qcDefaultDetectDef, which sets all fields to 0, false or null unless
@@ -308,8 +308,8 @@ typedef struct qcDetectDef
     bool motion;
     /// For a profiler: called on the thread that runs the step where a stage of the step begins, with its name
     /// (static: "qcScene cull bodies", "qcScene sweep bodies", "qcScene cull triangles", "qcScene sweep triangles",
-    /// "qcScene exact", "qcScene manifolds"), and where it ends. Stages don't nest. Both or none; they must not call
-    /// functions of the scene.
+    /// "qcScene exact", "qcScene manifolds"), and where it ends. Stages don't nest. Both or none; they must not throw,
+    /// nor call functions of the scene.
     void (*enterStage)(const char* name);
     void (*leaveStage)(void); ///< see enterStage
     bool candidates;          ///< report qcResult::candidates
@@ -603,7 +603,7 @@ typedef struct qcResult
     const qcSegment* segments;      ///< one for each pair; null unless qcDetectDef::segments is set
     const qcProximity* proximities; ///< one for each pair; null unless qcDetectDef::proximities is set
     /// The potentially colliding set, sorted: triangles left before the search for pairs (`cullide`, `quick`) or in a
-    /// candidate pair (other methods).
+    /// candidate pair (other methods; pairs for contacts alone don't count).
     const qcTriangleRef* pcs;
     size_t pcsCount;                       ///< number of triangles in it
     const qcTriangleSets* pcsSets;         ///< one for each triangle of the PCS; null unless qcDetectDef::sets is set,

@@ -15,6 +15,7 @@
 #include "base/status.h"
 #include "gl/device_def.h"
 #include "gl/hand_over.h"
+#include "gl/programs.h"
 #include "gl/reopening.h"
 
 #include <assert.h>
@@ -51,6 +52,7 @@ struct qcDevice
     qcContext context;
     struct qcGlFunctions gl;
     struct qcGlPrograms programs;
+    struct qcGlState state;
     char cacheFolder[qc_maxCacheFolder]; ///< of the programs' binaries; empty: none
     qcGpuIdentity gpu;
     uint32_t maxResolution;
@@ -140,7 +142,8 @@ static qcStatus OpenContext(qcDevice* device, qcGpuIdentity* gpu)
     QC_TRY(s_kinds[device->kind].open(&device->choice, &device->context));
     // After the driver has registered its handlers: they run after later ones.
     pthread_once(&s_watchExit, WatchExit);
-    device->gl = (struct qcGlFunctions){.programs = &device->programs};
+    device->gl = (struct qcGlFunctions){.programs = &device->programs, .state = &device->state};
+    device->state = (struct qcGlState){0};
     device->programs = (struct qcGlPrograms){.cacheFolder = device->cacheFolder, .opener = s_kinds[device->kind].name};
     qcStatus status = qcGlFunctions_Load(&device->gl, device->context.getFunction);
     if (status == qc_statusOk)
@@ -171,17 +174,19 @@ static qcStatus FailLost(const char* purpose)
 static qcStatus RunJob(qcDevice* device, bool* lost)
 {
     const struct qcGlFunctions* gl = &device->gl;
-    gl->programs->isAnswered = gl->programs->hasNoErrors = false;
+    gl->state->isAnswered = gl->state->hasNoErrors = false;
     qcStatus status = device->job(gl, device->jobContext);
+    // A job that fails may have stopped anywhere.
+    gl->state->keepBindings = gl->state->keepBindings && status == qc_statusOk;
     qcGlFunctions_ResetState(gl);
 
     // A driver with a thread of its own waits for that thread before it returns an error.
-    bool checksErrors = !gl->programs->hasNoErrors || status != qc_statusOk;
+    bool checksErrors = !gl->state->hasNoErrors || status != qc_statusOk;
     GLenum first = checksErrors ? gl->GetError() : GL_NO_ERROR;
     GLenum next = first;
     for (int i = 0; next != GL_NO_ERROR && i < qc_maxGlErrors; ++i)
         next = gl->GetError();
-    bool isAnswered = gl->programs->isAnswered && status == qc_statusOk && first == GL_NO_ERROR;
+    bool isAnswered = gl->state->isAnswered && status == qc_statusOk && first == GL_NO_ERROR;
     *lost = first == GL_CONTEXT_LOST ||
             (!isAnswered && gl->GetGraphicsResetStatus != NULL && gl->GetGraphicsResetStatus() != GL_NO_ERROR);
     // Before the job's status: results of a lost context are meaningless.
@@ -190,7 +195,7 @@ static qcStatus RunJob(qcDevice* device, bool* lost)
     // The job's status comes before GL's error: it is mostly closer to the cause.
     if (status != qc_statusOk && first != GL_NO_ERROR)
     {
-        char message[256];
+        char message[qc_messageSize];
         snprintf(message, sizeof message, "%s", qcLastMessage());
         return qcFail(status, "%s; GL reports %s (0x%x)", message, qcGl_ErrorName(first), first);
     }

@@ -1,5 +1,5 @@
-// The GL functions of one device. epoxy's headers give the types and the enums; its functions are never
-// called: they abort the process where libEGL is missing, and with an OSMesa context.
+// The GL functions of one device, and the state of its context. epoxy's headers give the types and the enums; its
+// functions are never called: they abort the process where libEGL is missing, and with an OSMesa context.
 #ifndef QC_GL_GL_FUNCTIONS_H
 #define QC_GL_GL_FUNCTIONS_H
 
@@ -103,14 +103,8 @@
     X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)                                                               \
     X(PFNGLVIEWPORTPROC, Viewport)
 
-enum
-{
-    // One for each kernel and each way of drawing that the library has.
-    qc_maxPrograms = 32
-};
-
-/// Programs live as long as their device: compiling a program takes longer than drawing with it.
-struct qcGlPrograms
+/// What is known of the context's state, and of the present job.
+struct qcGlState
 {
     /// The object whose bindings of buffers and textures are current, see qcGl_KeepBindings; null: none.
     const void* bound;
@@ -118,17 +112,6 @@ struct qcGlPrograms
     bool isAnswered;   ///< the present job has read what its last kernel wrote: its context was not lost before
     bool hasNoErrors;  ///< what the present job has read shows that none of its calls failed
     uint32_t calls;    ///< calls counted by qcGl_Counted
-    /// Of binaries that later starts take: see program_cache.h. Null or empty: none.
-    const char* cacheFolder;
-    /// Names the library that has opened the context: drivers of the same name and version refuse each other's
-    /// binaries.
-    const char* opener;
-    uint32_t count;
-    struct
-    {
-        const char* name;
-        GLuint program;
-    } items[qc_maxPrograms];
 };
 
 struct qcGlFunctions
@@ -155,6 +138,7 @@ struct qcGlFunctions
     PFNGLIMPORTMEMORYFDEXTPROC ImportMemoryFd;
     PFNGLBUFFERSTORAGEMEMEXTPROC BufferStorageMem;
     struct qcGlPrograms* programs;
+    struct qcGlState* state;
 };
 
 /// For a job that leaves all bindings and switches at their initial values, except for the program, indexed bindings of
@@ -162,14 +146,14 @@ struct qcGlFunctions
 /// state is reset after the job.
 static inline void qcGl_KeepBindings(const struct qcGlFunctions* gl, const void* owner)
 {
-    gl->programs->bound = owner;
-    gl->programs->keepBindings = true;
+    gl->state->bound = owner;
+    gl->state->keepBindings = true;
 }
 
 /// Counts the call that follows: qcGl_Counted(gl)->UseProgram(program).
 static inline const struct qcGlFunctions* qcGl_Counted(const struct qcGlFunctions* gl)
 {
-    gl->programs->calls++;
+    gl->state->calls++;
     return gl;
 }
 
@@ -189,14 +173,5 @@ qcStatus qcGlFunctions_Load(struct qcGlFunctions* gl, qcGlGetFunction* getFuncti
 /// Restores GL's initial bindings and switches, as far as jobs change them. Values such as the viewport and the clear
 /// colour are not restored: each job sets those it uses.
 void qcGlFunctions_ResetState(const struct qcGlFunctions* gl);
-
-/// The program of this name (a literal), made at its first use: of a binary in the cache, or compiled. Attribute 0 is
-/// `position`, attribute 1 `normal`.
-qcStatus qcGlFunctions_GetProgram(const struct qcGlFunctions* gl, const char* name, const char* vertexSource,
-                                  const char* fragmentSource, GLuint* program);
-
-/// The compute program of this name (a literal), made at its first use likewise. The source is given in parts.
-qcStatus qcGlFunctions_GetComputeProgram(const struct qcGlFunctions* gl, const char* name, const char* const* sources,
-                                         int sourceCount, GLuint* program);
 
 #endif

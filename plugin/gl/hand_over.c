@@ -52,7 +52,7 @@ void qcHandOver_Unlock(qcHandOver* h)
 void qcHandOver_Set(qcHandOver* h, qcTurn turn)
 {
     atomic_store(&h->turn, turn);
-    // No system call unless somebody sleeps.
+    // In glibc no system call unless somebody sleeps.
     pthread_cond_broadcast(&h->changed);
 }
 

@@ -3,6 +3,7 @@
 
 #include "base/status.h"
 #include "gl/cache_files.h"
+#include "gl/programs.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -140,8 +140,8 @@ typedef struct TransformedCluster
 QC_INLINE void TransformCluster(const qcTransformedBvh* b, uint32_t cluster, qcBox8* boxes, qcBoxRow* around)
 {
     TransformTriangles(b, cluster, boxes);
-    Shorts least = FindAround(boxes);
-    memcpy(around, &least, sizeof *around);
+    Shorts min = FindAround(boxes);
+    memcpy(around, &min, sizeof *around);
 }
 
 QC_INLINE void FindTransformed(const qcTransformedBvh* b, uint32_t cluster, const qcPlaneTest* planes,

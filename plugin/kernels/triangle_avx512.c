@@ -164,14 +164,14 @@ static inline uint64_t FindCommonHalves(const __m256i a[3], const __m256i b[3])
     for (int half = 0; half < 2; half++)
     {
         // Equal vertices have a difference of zero, below all others.
-        __m512i least = _mm512_set1_epi32(-1);
+        __m512i min = _mm512_set1_epi32(-1);
         for (int k = 0; k < 3; k++)
         {
             __m512i vertex = _mm512_shuffle_epi8(other[k], pick);
             for (int c = 0; c < 3; c++)
-                least = _mm512_min_epu16(least, _mm512_xor_si512(corner[c], vertex));
+                min = _mm512_min_epu16(min, _mm512_xor_si512(corner[c], vertex));
         }
-        common |= (uint64_t)_mm512_testn_epi16_mask(least, least) << 32 * half;
+        common |= (uint64_t)_mm512_testn_epi16_mask(min, min) << 32 * half;
         pick = _mm512_add_epi8(pick, _mm512_set1_epi8(8));
     }
     return common;
@@ -200,14 +200,14 @@ static inline uint64_t FindCommonVertices(const qcClusterVertices* a, const qcCl
     }
     for (int v = 0; v < qc_clusterSize; v += 2)
     {
-        __m512i least = _mm512_set1_epi32(-1);
+        __m512i min = _mm512_set1_epi32(-1);
         for (int k = 0; k < 3; k++)
         {
             __m512i vertex = _mm512_permutexvar_epi32(pick, other[k]);
             for (int c = 0; c < 3; c++)
-                least = _mm512_min_epu32(least, _mm512_xor_si512(corner[c], vertex));
+                min = _mm512_min_epu32(min, _mm512_xor_si512(corner[c], vertex));
         }
-        common |= (uint64_t)_mm512_testn_epi32_mask(least, least) << 8 * v;
+        common |= (uint64_t)_mm512_testn_epi32_mask(min, min) << 8 * v;
         pick = _mm512_add_epi32(pick, _mm512_set1_epi32(2));
     }
     return common;

@@ -128,8 +128,8 @@ static void RenumberPart(void* context, size_t i, uint32_t worker)
 /// Equal parts, at least qc_minPart slots each.
 static void SplitSlots(Numbering* n, size_t slotCount, uint32_t threads)
 {
-    size_t most = threads < qc_maxParts ? threads : qc_maxParts, count = slotCount / qc_minPart;
-    n->partCount = count < 1 ? 1 : count < most ? count : most;
+    size_t max = threads < qc_maxParts ? threads : qc_maxParts, count = slotCount / qc_minPart;
+    n->partCount = count < 1 ? 1 : count < max ? count : max;
     for (size_t i = 0; i < n->partCount; i++)
     {
         n->parts[i].first = i * slotCount / n->partCount;

@@ -127,8 +127,7 @@ qcStatus qcScene_Detect(qcScene* scene, const qcDetectDef* def, const qcResult**
     return status;
 }
 
-//  ---- begun and ended
-//  -------------------------------------------------------------------------------------------------
+//  ---- begun and ended ---------------------------------------------------------------------------------------------
 
 static void RunPending(void* context)
 {

@@ -70,7 +70,7 @@ static qcBvhCandidatesJob BvhJob(const qcStep* step, const qcStepTriangles* tria
                                 .threads = step->threads};
 }
 
-/// Triangles of bodies that are handled elsewhere are in no set.
+/// The sets of triangles of bodies that are handled elsewhere are undefined: they don't count.
 static uint32_t CountInPcs(const qcStepTriangles* triangles, const uint8_t* handledElsewhere, const qcPcs* pcs)
 {
     uint32_t count = 0;

@@ -72,14 +72,14 @@ void qcIslands_KeepWhole(qcIslands* islands, uint8_t* flags)
         flags[body] = islandOf[body] != QC_NO_ISLAND && isWhole[islandOf[body]];
 }
 
-void qcIslands_LeaveSmall(qcIslands* islands, const qcStepTriangles* triangles, uint32_t most, uint8_t* flags)
+void qcIslands_LeaveSmall(qcIslands* islands, const qcStepTriangles* triangles, uint32_t maxSize, uint8_t* flags)
 {
     uint32_t* isLarge = islands->scratch.data; // by island, as in qcIslands_KeepWhole
     const uint32_t* islandOf = islands->islandOf.data;
     for (size_t i = 0; i < islands->items.count; i++)
         isLarge[i] = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
-        if (islandOf[body] != QC_NO_ISLAND && qcStepTriangles_Body(triangles, body)->triangleCount > most)
+        if (islandOf[body] != QC_NO_ISLAND && qcStepTriangles_Body(triangles, body)->triangleCount > maxSize)
             isLarge[islandOf[body]] = 1;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
         flags[body] = flags[body] && islandOf[body] != QC_NO_ISLAND && isLarge[islandOf[body]];

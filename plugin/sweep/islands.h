@@ -23,7 +23,7 @@ qcStatus qcIslands_Find(const qcStepTriangles* triangles, const qcBodyPairs* pai
 void qcIslands_KeepWhole(qcIslands* islands, uint8_t* flags);
 /// Clears the flags (by body) of islands in which no body has more than `most` triangles. Its input is the last
 /// qcIslands_Find. O(bodies).
-void qcIslands_LeaveSmall(qcIslands* islands, const qcStepTriangles* triangles, uint32_t most, uint8_t* flags);
+void qcIslands_LeaveSmall(qcIslands* islands, const qcStepTriangles* triangles, uint32_t maxSize, uint8_t* flags);
 void qcIslands_Free(qcIslands* islands);
 
 #endif

@@ -90,8 +90,8 @@ typedef struct Sample
 static void TakeSample(const qcSweepBox* boxes, uint32_t count, Sample* sample)
 {
     // An eighth, and at least 16.
-    uint32_t some = count / 8 > 16 ? count / 8 : 16, most = count < qc_maxSample ? count : qc_maxSample;
-    sample->count = some < most ? some : most;
+    uint32_t some = count / 8 > 16 ? count / 8 : 16, max = count < qc_maxSample ? count : qc_maxSample;
+    sample->count = some < max ? some : max;
     for (uint32_t k = 0; k < sample->count; k++)
     {
         // Scattered: at equal distances all of them could be of one row of a grid.

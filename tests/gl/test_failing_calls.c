@@ -68,6 +68,7 @@ static qcStatus Restore(const struct qcGlFunctions* gl, void* context)
     (void)context;
     struct qcGlFunctions restored = s_real;
     restored.programs = gl->programs;
+    restored.state = gl->state;
     *(struct qcGlFunctions*)gl = restored;
     return qc_statusOk;
 }

@@ -77,7 +77,7 @@ static void MakeCounting(struct qcGlFunctions* gl)
     gl->DeleteSync = DeleteSync;
     gl->GetError = GetError;
     gl->GetGraphicsResetStatus = s_real.GetGraphicsResetStatus != NULL ? GetGraphicsResetStatus : NULL;
-    qcGl_KeepBindings(gl, gl->programs->bound);
+    qcGl_KeepBindings(gl, gl->state->bound);
 }
 
 static qcStatus RestoreDriver(const struct qcGlFunctions* gl, void* context)

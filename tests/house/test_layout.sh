@@ -37,7 +37,11 @@ bullet_glue/common
 bullet_glue/broadphase      bullet_glue/common
 bullet_glue/debug_draw      bullet_glue/common
 bullet_glue/mesh_shape      bullet_glue/common
-bullet_glue/mesh_contact    bullet_glue/common
+bullet_glue/mesh_contact/points bullet_glue/common
+bullet_glue/mesh_contact/scene bullet_glue/common bullet_glue/mesh_contact/points
+bullet_glue/mesh_contact/planes bullet_glue/common bullet_glue/mesh_contact/points bullet_glue/mesh_contact/scene
+bullet_glue/mesh_contact/limits bullet_glue/common bullet_glue/mesh_contact/scene bullet_glue/mesh_contact/planes
+bullet_glue/mesh_contact    bullet_glue/common bullet_glue/mesh_contact/...
 bullet_glue/queries         bullet_glue/common
 bullet_glue/solver
 bullet_glue/soft_body/scene bullet_glue/common
@@ -94,7 +98,7 @@ tests/pipeline              tests/support demos/common/mesh_io
 tests/recording             tests/support plugin/recording
 tests/bullet                tests/support
 tests/bullet/broadphase     tests/support tests/bullet
-tests/bullet/mesh           tests/support tests/bullet bullet_glue/common bullet_glue/mesh_contact demos/common/mesh_io
+tests/bullet/mesh           tests/support tests/bullet bullet_glue/common bullet_glue/mesh_contact/... demos/common/mesh_io
 tests/bullet/soft_body      tests/support tests/bullet tests/bullet/mesh bullet_glue/soft_body/scene bullet_glue/soft_body/response demos/bench/soft demos/cloth demos/leaves
 tests/bullet/fracture       tests/support tests/bullet plugin/recording
 tests/bullet/preload

@@ -110,7 +110,7 @@ bool Solve(qcSoftConstraint& constraint)
     }
     if (!constraint.accumulates)
         constraint.chainFriction = 0;
-    return isPushed || taken != previousTaken;
+    return isPushed || !qcAreSame(taken, previousTaken);
 }
 
 /// Sets normal and distance so that each side stays on its side of the other, as at the start of the step. `atOnce`: at
@@ -318,9 +318,8 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
     }
 }
 
-void qcSolveSoftConstraints(std::vector<qcSoftConstraint>* constraints, qcForceChains* chains,
-                            const qcRopeLinks& links, std::vector<qcRigidNodeContact>* rigidNodeContacts,
-                            int iterations)
+void qcSolveSoftConstraints(std::vector<qcSoftConstraint>* constraints, qcForceChains* chains, const qcRopeLinks& links,
+                            std::vector<qcRigidNodeContact>* rigidNodeContacts, int iterations)
 {
     chains->Begin();
     for (qcSoftConstraint& constraint : *constraints)

@@ -98,9 +98,8 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
 
 /// Gauss-Seidel sweeps over the links, the chains, the constraints in their order, and the rigid node contacts. Meshes
 /// move with the next Commit.
-void qcSolveSoftConstraints(std::vector<qcSoftConstraint>* constraints, qcForceChains* chains,
-                            const qcRopeLinks& links, std::vector<qcRigidNodeContact>* rigidNodeContacts,
-                            int iterations);
+void qcSolveSoftConstraints(std::vector<qcSoftConstraint>* constraints, qcForceChains* chains, const qcRopeLinks& links,
+                            std::vector<qcRigidNodeContact>* rigidNodeContacts, int iterations);
 
 /// Has the constraints restore this share of the gaps that were missing at the start of the step, with the velocity
 /// that it gives; `onlyTangled`: those of tangled bodies, which come apart by it.

@@ -252,7 +252,7 @@ void qcSoftZones::MoveZone(const std::vector<uint32_t>& zone)
     else if (state.min != Motion::None || std::any_of(zone.begin(), zone.end(), isCarrier))
         motion = FindMotion(zone, state.min == Motion::Rigid);
     m_motions[root] = motion;
-    bool stays = motion == btTransform::getIdentity();
+    bool stays = qcAreSame(motion, btTransform::getIdentity());
     for (uint32_t index : zone)
     {
         const Member& member = m_members[index];
@@ -325,9 +325,10 @@ uint32_t qcSoftZones::ZoneOf(const qcPair& pair) const
     std::vector<uint32_t> members;
     AppendMembersOf(pair.bodyA, pair.triangleA, &members);
     AppendMembersOf(pair.bodyB, pair.triangleB, &members);
-    const uint32_t zone = m_zones[members[0]];
     // An object may be new in the scene.
-    auto isInIt = [&](uint32_t member) { return member < m_members.size() && m_zones[member] == zone; };
+    auto zoneOf = [this](uint32_t member) { return member < m_members.size() ? m_zones[member] : s_none; };
+    const uint32_t zone = zoneOf(members[0]);
+    auto isInIt = [&](uint32_t member) { return zoneOf(member) == zone; };
     return std::all_of(members.begin(), members.end(), isInIt) ? zone : s_none;
 }
 

@@ -3,7 +3,7 @@
 #ifndef QC_GLUE_SOFT_BODY_SCENE_LONE_BODIES_H
 #define QC_GLUE_SOFT_BODY_SCENE_LONE_BODIES_H
 
-#include <LinearMath/btVector3.h>
+#include "common/object_key.h"
 
 #include <cstddef>
 #include <vector>
@@ -35,7 +35,7 @@ class qcMotionBoxes
 
         bool operator==(const Box& other) const
         {
-            return lower == other.lower && upper == other.upper && needsPartner == other.needsPartner;
+            return qcAreSame(lower, other.lower) && qcAreSame(upper, other.upper) && needsPartner == other.needsPartner;
         }
     };
 

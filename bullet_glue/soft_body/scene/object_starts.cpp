@@ -69,7 +69,7 @@ void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep, co
     m_moved.push_back(MakeMoved(object, state.start));
 }
 
-void qcObjectStarts::Begin(const std::set<btBroadphaseInterface*>& broadphases, const ObjectFunction& function)
+void qcObjectStarts::Begin(const qcBroadphases& broadphases, const ObjectFunction& function)
 {
     qcForEachObject(broadphases,
                     [this, &function](btCollisionObject* object, btBroadphaseInterface*)
@@ -84,13 +84,12 @@ void qcObjectStarts::Begin(const std::set<btBroadphaseInterface*>& broadphases, 
                     });
 }
 
-void qcObjectStarts::ReadBegin(const std::set<btBroadphaseInterface*>& broadphases)
+void qcObjectStarts::ReadBegin(const qcBroadphases& broadphases)
 {
     Begin(broadphases, [](const btCollisionObject*) {});
 }
 
-void qcObjectStarts::Read(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep,
-                          const qcRigidLimits* limits)
+void qcObjectStarts::Read(const qcBroadphases& broadphases, btScalar timeStep, const qcRigidLimits* limits)
 {
     m_step++;
     m_count = 0;
@@ -112,8 +111,7 @@ void qcObjectStarts::Read(const std::set<btBroadphaseInterface*>& broadphases, b
         state = state->second.step != m_step ? m_states.erase(state) : std::next(state);
 }
 
-void qcObjectStarts::ForEachPlaced(const std::set<btBroadphaseInterface*>& broadphases,
-                                   const BoxFunction& function) const
+void qcObjectStarts::ForEachPlaced(const qcBroadphases& broadphases, const BoxFunction& function) const
 {
     qcForEachObject(broadphases,
                     [&](btCollisionObject* object, btBroadphaseInterface*)

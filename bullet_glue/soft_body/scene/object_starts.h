@@ -5,12 +5,12 @@
 
 #include "common/object_key.h"
 #include "common/rigid_limits.h"
+#include "soft_body/scene/objects_in_box.h"
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
 #include <LinearMath/btAabbUtil2.h>
 
 #include <functional>
-#include <set>
 #include <unordered_map>
 #include <vector>
 
@@ -20,16 +20,16 @@ class qcObjectStarts
     using ObjectFunction = std::function<void(const btCollisionObject*)>;
     /// The step starts: reads where the application has left the bodies that Bullet moves. Calls function(object) for
     /// each object. O(objects).
-    void Begin(const std::set<btBroadphaseInterface*>& broadphases, const ObjectFunction& function);
+    void Begin(const qcBroadphases& broadphases, const ObjectFunction& function);
     /// Reads again where the application has left these bodies, after its callbacks within the step.
-    void ReadBegin(const std::set<btBroadphaseInterface*>& broadphases);
+    void ReadBegin(const qcBroadphases& broadphases);
     /// Reads the objects of the step, after Bullet has moved them, but those that are not finite. Objects that have
     /// left the broadphases are forgotten. `limits`: what they have moved is not put elsewhere; or null. O(objects).
-    void Read(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep, const qcRigidLimits* limits);
+    void Read(const qcBroadphases& broadphases, btScalar timeStep, const qcRigidLimits* limits);
     using BoxFunction = std::function<void(const btVector3&, const btVector3&)>;
     /// Calls function(lower, upper) for the motion of each object that the application has moved since the previous
     /// step, Bullet does not move and others respond to. O(objects).
-    void ForEachPlaced(const std::set<btBroadphaseInterface*>& broadphases, const BoxFunction& function) const;
+    void ForEachPlaced(const qcBroadphases& broadphases, const BoxFunction& function) const;
     /// The object's transform at the start of the step: where the previous one left it, unless it was put elsewhere
     /// since. Read has seen it.
     const btTransform& StartOf(const btCollisionObject* object) const;

@@ -5,7 +5,9 @@
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 
-#include <set>
+#include <vector>
+
+using qcBroadphases = std::vector<btBroadphaseInterface*>; ///< of the bodies of a step, each once
 
 /// Calls function(object) for each object whose box in the broadphase overlaps a box.
 template <typename Function>
@@ -31,8 +33,7 @@ void qcForEachObjectIn(btBroadphaseInterface* broadphase, const btVector3& lower
 }
 
 /// Calls function(object, broadphase) for each object of the broadphases that is not a soft body.
-template <typename Function>
-void qcForEachObject(const std::set<btBroadphaseInterface*>& broadphases, const Function& function)
+template <typename Function> void qcForEachObject(const qcBroadphases& broadphases, const Function& function)
 {
     const btVector3 far(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
     for (btBroadphaseInterface* broadphase : broadphases)

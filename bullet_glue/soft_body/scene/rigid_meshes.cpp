@@ -27,7 +27,7 @@ constexpr int s_minStepsOfBelt = 16;
 bool AreSame(const std::vector<qcSceneShape>& a, const std::vector<qcSceneShape>& b)
 {
     auto isSame = [](const qcSceneShape& m, const qcSceneShape& n)
-    { return m.shape == n.shape && m.revision == n.revision && m.local == n.local; };
+    { return m.shape == n.shape && m.revision == n.revision && qcAreSame(m.local, n.local); };
     return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), isSame);
 }
 
@@ -118,7 +118,7 @@ void ReadState(qcSceneRigid* rigid, const btTransform& start, btScalar timeStep)
 }
 } // namespace
 
-void qcSoftBodyMeshes::BeginStep(const std::set<btBroadphaseInterface*>& broadphases)
+void qcSoftBodyMeshes::BeginStep(const qcBroadphases& broadphases)
 {
     m_beginnings.clear();
     m_starts.Begin(broadphases,
@@ -129,8 +129,7 @@ void qcSoftBodyMeshes::BeginStep(const std::set<btBroadphaseInterface*>& broadph
                    });
 }
 
-void qcSoftBodyMeshes::ReadMotions(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep,
-                                   const qcRigidLimits* limits)
+void qcSoftBodyMeshes::ReadMotions(const qcBroadphases& broadphases, btScalar timeStep, const qcRigidLimits* limits)
 {
     m_timeStep = timeStep;
     m_starts.Read(broadphases, timeStep, limits);
@@ -168,16 +167,20 @@ void qcSoftBodyMeshes::CollectOverlapping(btBroadphaseInterface* broadphase, con
 void qcSoftBodyMeshes::MergeOverlaps()
 {
     auto isBefore = [](const Overlap& a, const Overlap& b) { return qcUniqueIdOf(a.object) < qcUniqueIdOf(b.object); };
-    std::sort(m_overlaps.begin(), m_overlaps.end(), isBefore);
+    std::stable_sort(m_overlaps.begin(), m_overlaps.end(), isBefore);
     size_t count = 0;
     for (const Overlap& overlap : m_overlaps)
     {
-        if (count == 0 || m_overlaps[count - 1].object != overlap.object)
+        // Objects of two broadphases may have one id.
+        size_t same = count;
+        while (same > 0 && !isBefore(m_overlaps[same - 1], overlap) && m_overlaps[same - 1].object != overlap.object)
+            same--;
+        if (same == 0 || m_overlaps[same - 1].object != overlap.object)
         {
             m_overlaps[count++] = overlap;
             continue;
         }
-        Overlap& merged = m_overlaps[count - 1];
+        Overlap& merged = m_overlaps[same - 1];
         merged.withSurfaces = merged.withSurfaces || overlap.withSurfaces;
         merged.box[0].setMin(overlap.box[0]);
         merged.box[1].setMax(overlap.box[1]);
@@ -213,7 +216,7 @@ bool qcSoftBodyMeshes::IsReshaped(const btCollisionObject* object, btVector3 box
     return true;
 }
 
-void qcSoftBodyMeshes::ForEachPlaced(const std::set<btBroadphaseInterface*>& broadphases,
+void qcSoftBodyMeshes::ForEachPlaced(const qcBroadphases& broadphases,
                                      const qcObjectStarts::BoxFunction& function) const
 {
     m_starts.ForEachPlaced(broadphases, function);
@@ -565,7 +568,7 @@ qcStatus qcSoftBodyMeshes::Extend(qcScene* scene, bool* added)
 bool qcSoftBodyMeshes::StartWhereTheyEnded() const
 {
     auto startsThere = [](const std::unique_ptr<qcSceneRigid>& rigid)
-    { return rigid->hasEnd && rigid->start == rigid->end; };
+    { return rigid->hasEnd && qcAreSame(rigid->start, rigid->end); };
     return std::all_of(m_rigids.begin(), m_rigids.end(), startsThere);
 }
 
@@ -622,7 +625,7 @@ void qcSoftBodyMeshes::MoveFromStart(qcSceneRigid& rigid, const btTransform& mot
     if (!rigid.IsFree())
         return;
     rigid.fromStart = true;
-    rigid.object->setWorldTransform(motion == btTransform::getIdentity() ? rigid.start : motion * rigid.start);
+    rigid.object->setWorldTransform(qcAreSame(motion, btTransform::getIdentity()) ? rigid.start : motion * rigid.start);
 }
 
 void qcSoftBodyMeshes::UpdateVelocities(btScalar timeStep)

@@ -19,20 +19,18 @@ class qcSoftBodyMeshes
 {
   public:
     /// The step starts: Bullet has moved nothing yet.
-    void BeginStep(const std::set<btBroadphaseInterface*>& broadphases);
+    void BeginStep(const qcBroadphases& broadphases);
     /// Callbacks of the application have run since; Bullet has moved nothing yet.
-    void ReadBegin(const std::set<btBroadphaseInterface*>& broadphases)
+    void ReadBegin(const qcBroadphases& broadphases)
     {
         m_starts.ReadBegin(broadphases);
     }
     /// Calls function(lower, upper) for the motion of each object that Bullet does not move and others respond to,
     /// where the application has moved it or its triangles since the previous step. O(objects * objects near soft
     /// bodies).
-    void ForEachPlaced(const std::set<btBroadphaseInterface*>& broadphases,
-                       const qcObjectStarts::BoxFunction& function) const;
+    void ForEachPlaced(const qcBroadphases& broadphases, const qcObjectStarts::BoxFunction& function) const;
     /// Reads where all objects start and end the step: see qcObjectStarts. Call it before CollectOverlapping.
-    void ReadMotions(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep,
-                     const qcRigidLimits* limits);
+    void ReadMotions(const qcBroadphases& broadphases, btScalar timeStep, const qcRigidLimits* limits);
     /// Collects the objects with meshes whose proxies or motions over the step overlap this box, for the next Sync.
     /// `withSurfaces`: also objects without a qcMeshShape.
     void CollectOverlapping(btBroadphaseInterface* broadphase, const btVector3& lower, const btVector3& upper,

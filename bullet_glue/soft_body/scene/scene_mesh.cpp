@@ -2,9 +2,9 @@
 #include "soft_body/scene/scene_mesh.h"
 
 #include "common/moved_vertices.h"
-#include "common/vertex_box.h"
 #include "common/object_key.h"
 #include "common/shape_triangles.h"
+#include "common/vertex_box.h"
 #include "common/weld_vertices.h"
 #include "quickcullide/hash.h"
 
@@ -54,8 +54,8 @@ void qcSceneMesh::ReadShape(const qcShapeSurface* surface)
 
 void qcSceneMesh::DeformFrom(const qcSceneMesh& last)
 {
-    if (trianglesHash == 0 || last.index != index || !(last.local == local) || last.trianglesHash != trianglesHash ||
-        last.vertices.size() != vertices.size() ||
+    if (trianglesHash == 0 || last.index != index || !qcAreSame(last.local, local) ||
+        last.trianglesHash != trianglesHash || last.vertices.size() != vertices.size() ||
         !qcHaveMoved(last.vertices.data(), vertices.data(), vertices.size(), last.box))
         return;
     startVertices = last.vertices;
@@ -102,7 +102,7 @@ qcStatus qcSceneMesh::AddTo(qcScene* scene, qcActivity activity)
 qcStatus qcSceneMesh::Place(qcScene* scene, const btTransform& transform, bool atStart)
 {
     atStart = atStart && Deforms() && restingSteps == 0;
-    if (sceneTransform == transform && isAtStart == atStart)
+    if (qcAreSame(sceneTransform, transform) && isAtStart == atStart)
         return qc_statusOk;
     qcStatus status;
     if (Deforms())

@@ -54,7 +54,7 @@ bool qcSceneRigid::IsFree() const
 
 btTransform qcSceneRigid::MotionTo(const btTransform& transform) const
 {
-    return transform == start ? btTransform::getIdentity() : transform * start.inverse();
+    return qcAreSame(transform, start) ? btTransform::getIdentity() : transform * start.inverse();
 }
 
 void qcSceneRigid::DeformFrom(const qcSceneRigid& last)

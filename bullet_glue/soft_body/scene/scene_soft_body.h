@@ -8,7 +8,6 @@
 #include "quickcullide/bullet_soft_body.h"
 
 #include <algorithm>
-#include <cstring>
 #include <vector>
 
 /// True if the body collides with the surfaces of Bullet's own shapes, and not by Bullet's tests of nodes or clusters.
@@ -131,14 +130,14 @@ struct qcSceneSoftBody
     template <typename Function> void ForEachMoved(Function function) const
     {
         for (size_t i = 0; i < positions.size(); i++)
-            if (positions[i] != solved[i])
+            if (!qcAreSame(positions[i], solved[i]))
                 function(int(i));
     }
     /// True if contacts have moved no node so far.
     bool IsSolved() const
     {
-        return positions.empty() ||
-               std::memcmp(positions.data(), solved.data(), positions.size() * sizeof(btVector3)) == 0;
+        auto isSame = [](const btVector3& a, const btVector3& b) { return qcAreSame(a, b); };
+        return std::equal(positions.begin(), positions.end(), solved.begin(), isSame);
     }
     /// The box of the motion to the present positions, enlarged by `reach`. False: a node is not finite, or there is
     /// none.

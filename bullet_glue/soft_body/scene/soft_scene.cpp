@@ -2,6 +2,7 @@
 #include "soft_body/scene/soft_scene.h"
 
 #include "common/finite.h"
+#include "common/first_error.h"
 #include "common/object_key.h"
 #include "common/profiled_detect.h"
 #include "common/shape_triangles.h"
@@ -27,12 +28,18 @@ bool IsFinite(const btSoftBody* body, btVector3 btSoftBody::Node::*start)
     return true;
 }
 
-std::set<btBroadphaseInterface*> BroadphasesOf(const btAlignedObjectArray<btSoftBody*>& bodies)
+void AddBroadphase(btSoftBody* body, qcBroadphases* broadphases)
 {
-    std::set<btBroadphaseInterface*> broadphases;
+    btBroadphaseInterface* broadphase = body->getWorldInfo()->m_broadphase;
+    if (broadphase != nullptr && std::find(broadphases->begin(), broadphases->end(), broadphase) == broadphases->end())
+        broadphases->push_back(broadphase);
+}
+
+qcBroadphases BroadphasesOf(const btAlignedObjectArray<btSoftBody*>& bodies)
+{
+    qcBroadphases broadphases;
     for (int i = 0; i < bodies.size(); i++)
-        if (bodies[i]->getWorldInfo()->m_broadphase != nullptr)
-            broadphases.insert(bodies[i]->getWorldInfo()->m_broadphase);
+        AddBroadphase(bodies[i], &broadphases);
     return broadphases;
 }
 } // namespace
@@ -191,7 +198,7 @@ void qcSoftBodyScene::LimitThickness(const std::function<bool(uint32_t)>& isTang
 
 void qcSoftBodyScene::BeginStep(const btAlignedObjectArray<btSoftBody*>& bodies)
 {
-    const std::set<btBroadphaseInterface*> broadphases = BroadphasesOf(bodies);
+    const qcBroadphases broadphases = BroadphasesOf(bodies);
     meshes.BeginStep(broadphases);
     WakeSwept(bodies, broadphases);
 }
@@ -202,8 +209,7 @@ void qcSoftBodyScene::ReadBegin(const btAlignedObjectArray<btSoftBody*>& bodies)
 }
 
 /// Wakes soft bodies near objects that the application moves. Bullet lets such objects run through those that sleep.
-void qcSoftBodyScene::WakeSwept(const btAlignedObjectArray<btSoftBody*>& bodies,
-                                const std::set<btBroadphaseInterface*>& broadphases)
+void qcSoftBodyScene::WakeSwept(const btAlignedObjectArray<btSoftBody*>& bodies, const qcBroadphases& broadphases)
 {
     std::vector<btSoftBody*> asleep;
     for (int i = 0; i < bodies.size(); i++)
@@ -231,7 +237,7 @@ qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, 
         return status;
     notFinite = nullptr;
     UntrackRemoved(bodies, start);
-    for (int i = 0; i < bodies.size(); i++)
+    for (int i = 0; i < bodies.size() && status == qc_statusOk; i++)
     {
         auto isIt = [&](const qcSceneSoftBody& tracked) { return tracked.body == bodies[i]; };
         if ((size_t(i) < m_bodies.size() && isIt(m_bodies[size_t(i)])) ||
@@ -243,9 +249,8 @@ qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, 
             continue;
         }
         status = Track(bodies[i]);
-        if (status != qc_statusOk)
-            return status;
     }
+    // What is tracked is whole, also where another body could not be added.
     m_bodyOfSlot.clear();
     for (size_t i = 0; i < m_bodies.size(); i++)
     {
@@ -255,16 +260,16 @@ qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, 
         m_bodyOfSlot[slot] = i;
         ReadStart(m_bodies[i], start);
     }
-    return qc_statusOk;
+    return status;
 }
 
 qcStatus qcSoftBodyScene::ReadSolved(btScalar timeStep, const qcRigidLimits* limits)
 {
     BT_PROFILE("qcSoftBodyContact gather");
-    std::set<btBroadphaseInterface*> broadphases;
+    qcBroadphases broadphases;
     for (const qcSceneSoftBody& tracked : m_bodies)
-        if (tracked.CollidesWithRigidBodies() && tracked.body->getWorldInfo()->m_broadphase != nullptr)
-            broadphases.insert(tracked.body->getWorldInfo()->m_broadphase);
+        if (tracked.CollidesWithRigidBodies())
+            AddBroadphase(tracked.body, &broadphases);
     meshes.ReadMotions(broadphases, timeStep, limits);
     if (meshes.NotFinite() != nullptr)
     {
@@ -405,7 +410,7 @@ qcStatus qcSoftBodyScene::SyncStartPositions()
     {
         tracked.isAlone = tracked.isApart = false;
         ApplyFilters(tracked);
-        status = std::max(status, SetVertices(tracked, tracked.start));
+        status = qcFirstError(status, SetVertices(tracked, tracked.start));
     }
     return status == qc_statusOk ? meshes.SyncTransforms(m_scene, true) : status;
 }
@@ -416,7 +421,7 @@ qcStatus qcSoftBodyScene::MarkStarts(bool areThere)
     qcStatus status = qc_statusOk;
     for (qcSceneSoftBody& tracked : m_bodies)
         if (!areThere || !tracked.isInScene || tracked.isAlone)
-            status = std::max(status, SetVertices(tracked, tracked.start));
+            status = qcFirstError(status, SetVertices(tracked, tracked.start));
     if (status == qc_statusOk)
         status = meshes.SyncTransforms(m_scene, true);
     return status == qc_statusOk ? qcScene_MarkStart(m_scene) : status;
@@ -458,7 +463,7 @@ bool qcSoftBodyScene::StartsWhereStepEnded() const
     return std::all_of(m_bodies.begin(), m_bodies.end(), startsThere) && meshes.StartWhereTheyEnded();
 }
 
-/// Runs a query; `ms`: of those of its kind so far, as m_contactMs.
+/// Runs a query. `ms`: about how long those of its kind take; it learns of this one, too.
 qcStatus qcSoftBodyScene::Run(qcDetectDef* def, double* ms, const qcResult** result)
 {
     def->threads = *ms < s_threadedMs ? 1 : threads;
@@ -497,7 +502,7 @@ qcStatus qcSoftBodyScene::SetSelfCollision(const std::vector<qcBodyId>& bodies, 
 {
     qcStatus status = qc_statusOk;
     for (const qcBodyId& id : bodies)
-        status = std::max(status, qcScene_SetSelfCollision(m_scene, id, selfCollision));
+        status = qcFirstError(status, qcScene_SetSelfCollision(m_scene, id, selfCollision));
     return status;
 }
 
@@ -531,7 +536,7 @@ qcStatus qcSoftBodyScene::RunWithout(const BodyPairTest& isLeftOut, qcDetectDef*
     qcStatus status = SetSelfCollision(m_leftOutWithin, false);
     if (status == qc_statusOk)
         status = Run(def, ms, result);
-    return std::max(status, SetSelfCollision(m_leftOutWithin, true));
+    return qcFirstError(status, SetSelfCollision(m_leftOutWithin, true));
 }
 
 qcStatus qcSoftBodyScene::DetectMotion(const BodyPairTest& isProven, const qcResult** result)

@@ -93,8 +93,7 @@ class qcSoftBodyScene
         qcSoftBodySettings settings;
     };
 
-    void WakeSwept(const btAlignedObjectArray<btSoftBody*>& bodies,
-                   const std::set<btBroadphaseInterface*>& broadphases);
+    void WakeSwept(const btAlignedObjectArray<btSoftBody*>& bodies, const qcBroadphases& broadphases);
     qcStatus CreateScene();
     qcBodyDef DefOf(const btSoftBody* body) const;
     qcStatus Track(btSoftBody* body);

@@ -2,6 +2,7 @@
 // and each starts with caches that another has filled, like in a simulation.
 #include "bench/broadphase/broadphase.h"
 
+#include "common/median.h"
 #include "common/stopwatch.h"
 
 #include <quickcullide/bullet_broadphase.h>
@@ -102,12 +103,6 @@ class Boxes
     std::vector<btVector3> m_place, m_half, m_way;
 };
 
-double Median(std::vector<double> times)
-{
-    std::nth_element(times.begin(), times.begin() + long(times.size() / 2), times.end());
-    return times[times.size() / 2];
-}
-
 class Contestant
 {
   public:
@@ -152,9 +147,9 @@ class Contestant
         row.name = m_name;
         row.createMs = m_createMs;
         row.firstMs = m_firstMs;
-        row.setMs = Median(m_setMs);
-        row.findMs = Median(m_findMs);
-        row.frameMs = Median(m_frameMs);
+        row.setMs = qcMedianOf(m_setMs);
+        row.findMs = qcMedianOf(m_findMs);
+        row.frameMs = qcMedianOf(m_frameMs);
         row.minMs = *std::min_element(m_frameMs.begin(), m_frameMs.end());
         row.maxMs = *std::max_element(m_frameMs.begin(), m_frameMs.end());
         const btBroadphasePairArray& pairs = m_broadphase->getOverlappingPairCache()->getOverlappingPairArray();

@@ -2,6 +2,7 @@
 // steps in each of which all bodies are new and lack other triangles.
 #include "bench/first/first.h"
 
+#include "bench/peers/pair_hash.h"
 #include "common/progress.h"
 #include "common/stopwatch.h"
 
@@ -42,15 +43,6 @@ typedef struct Bench
     qcPeerPose* poses;
 } Bench;
 
-/// A hash that is the same in either order of the triangles.
-static uint64_t HashPair(uint32_t bodyA, uint32_t triangleA, uint32_t bodyB, uint32_t triangleB)
-{
-    uint64_t a = (uint64_t)bodyA << 32 | triangleA, b = (uint64_t)bodyB << 32 | triangleB;
-    uint64_t z = (a < b ? a : b) * 0x9e3779b97f4a7c15u + (a < b ? b : a);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    return z ^ (z >> 31);
-}
-
 static void Compare(Bench* bench, Pairs* known, Pairs found)
 {
     if (known->known && (known->count != found.count || known->sum != found.sum))
@@ -65,7 +57,7 @@ static Pairs PairsOf(const qcResult* result)
     for (size_t i = 0; i < result->pairCount; ++i)
     {
         const qcPair* p = &result->pairs[i];
-        pairs.sum += HashPair(p->bodyA, p->triangleA, p->bodyB, p->triangleB);
+        pairs.sum += qcHashOfPair(p->bodyA, p->triangleA, p->bodyB, p->triangleB);
     }
     return pairs;
 }
@@ -203,7 +195,7 @@ static bool BuildWithEmbree(Bench* bench, uint32_t method, double* times)
         for (size_t k = 0; k < answer.count; ++k)
         {
             const qcPeerPair* p = &answer.pairs[k];
-            found.sum += HashPair(p->bodyA, p->triangleA, p->bodyB, p->triangleB);
+            found.sum += qcHashOfPair(p->bodyA, p->triangleA, p->bodyB, p->triangleB);
         }
         Compare(bench, &bench->frames[0], found);
     }

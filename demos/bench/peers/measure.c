@@ -3,6 +3,7 @@
 // and is not timed.
 #include "bench/peers/peers.h"
 
+#include "bench/peers/pair_hash.h"
 #include "common/stopwatch.h"
 #include "common/progress.h"
 
@@ -137,16 +138,6 @@ static void Close(Runner* runner)
     qcAnimatedScene_Close(&runner->ours);
 }
 
-/// A hash of the pair, the same in either order of its triangles.
-static uint64_t HashPair(uint32_t bodyA, uint32_t triangleA, uint32_t bodyB, uint32_t triangleB)
-{
-    uint64_t a = (uint64_t)bodyA << 32 | triangleA, b = (uint64_t)bodyB << 32 | triangleB;
-    uint64_t z = (a < b ? a : b) * 0x9e3779b97f4a7c15u + (a < b ? b : a);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-}
-
 /// Records the pairs of the last step under their frame.
 static void Look(Runner* runner, uint32_t frame)
 {
@@ -161,7 +152,7 @@ static void Look(Runner* runner, uint32_t frame)
         for (size_t i = 0; i < result->pairCount; ++i)
         {
             const qcPair* p = &result->pairs[i];
-            seen->sum += HashPair(p->bodyA, p->triangleA, p->bodyB, p->triangleB);
+            seen->sum += qcHashOfPair(p->bodyA, p->triangleA, p->bodyB, p->triangleB);
         }
         return;
     }
@@ -169,7 +160,7 @@ static void Look(Runner* runner, uint32_t frame)
     for (size_t i = 0; i < runner->answer.count; ++i)
     {
         const qcPeerPair* p = &runner->answer.pairs[i];
-        seen->sum += HashPair(p->bodyA, p->triangleA, p->bodyB, p->triangleB);
+        seen->sum += qcHashOfPair(p->bodyA, p->triangleA, p->bodyB, p->triangleB);
     }
 }
 

@@ -1,6 +1,7 @@
 // Rounds of queries on both shapes in turns.
 #include "bench/queries/measure.h"
 
+#include "common/median.h"
 #include "common/stopwatch.h"
 #include "quickcullide/bullet_broadphase.h"
 #include "quickcullide/bullet_mesh.h"
@@ -187,11 +188,6 @@ bool AreSame(const std::vector<qcCastHit>& a, const std::vector<qcCastHit>& b)
                       });
 }
 
-double Median(std::vector<double> values)
-{
-    return qcStopwatch_Median(values.data(), values.size());
-}
-
 void Compare(const Answer& ours, const Answer& bullet, const Case& kind, Row* row)
 {
     double apart = (double(ours.fraction) - double(bullet.fraction)) * kind.length;
@@ -307,9 +303,9 @@ Row Comparison::Measure(const Case& kind, double budgetMs)
         ratios.push_back(time[0] / time[1]);
     }
     row.queries = uint32_t(asked.size());
-    row.ours = Median(times[0]);
-    row.bullet = Median(times[1]);
-    row.ratio = Median(ratios);
+    row.ours = qcMedianOf(times[0]);
+    row.bullet = qcMedianOf(times[1]);
+    row.ratio = qcMedianOf(ratios);
     for (size_t i = 0; i < asked.size(); i++)
         Compare(answers[0][i], answers[1][i], kind, &row);
     row.hits /= double(asked.size());
@@ -334,9 +330,9 @@ BatchRow Comparison::MeasureBatch(const Case& kind, const std::vector<uint32_t>&
             row.same = row.same && AreSame(hits, expected);
         }
     }
-    row.single = 1000 * Median(times[0]) / double(asked.size());
+    row.single = 1000 * qcMedianOf(times[0]) / double(asked.size());
     for (size_t i = 0; i < threads.size(); i++)
-        row.batch.push_back(1000 * Median(times[i + 1]) / double(asked.size()));
+        row.batch.push_back(1000 * qcMedianOf(times[i + 1]) / double(asked.size()));
     return row;
 }
 } // namespace queries

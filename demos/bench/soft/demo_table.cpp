@@ -5,6 +5,7 @@
 
 #include "common/files.h"
 #include "common/output_file.h"
+#include "common/median.h"
 #include "common/stopwatch.h"
 
 #include <algorithm>
@@ -24,13 +25,6 @@ struct DemoRow
     double pairs[s_sides]; ///< that penetrate at the end; NaN: not countable
 };
 
-double Median(std::vector<double> values)
-{
-    auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
 DemoRow Measure(const qcDemoSceneDef& def, uint32_t steps)
 {
     std::array<std::unique_ptr<qcDemoScene>, s_sides> scenes;
@@ -47,7 +41,7 @@ DemoRow Measure(const qcDemoSceneDef& def, uint32_t steps)
     DemoRow row = {def.name, scenes[0]->NodeCount(), {}, {}};
     for (int side = 0; side < s_sides; side++)
     {
-        row.ms[side] = Median(times[side]);
+        row.ms[side] = qcMedianOf(times[side]);
         size_t pairs = scenes[size_t(side)]->CountTangled();
         row.pairs[side] = pairs == SIZE_MAX ? NAN : double(pairs);
     }

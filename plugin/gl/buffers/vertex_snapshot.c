@@ -3,7 +3,9 @@
 
 #include "base/status.h"
 #include "buffers_shaders.h"
+#include "gl/compute.h"
 #include "gl/device.h"
+#include "gl/programs.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -12,8 +14,8 @@
 enum
 {
     qc_lanes = 64,
-    qc_copiedPerGroup = 1024, ///< snapshot.comp
-    qc_groupsInRow = 1 << 15,
+    qc_copiedPerGroup = 1024, ///< vertices; snapshot.comp
+    qc_maxBefore = 1024,      ///< bytes before a range with which its binding may begin
     qc_positionBytes = 3 * sizeof(float),
     // More than a run has workgroups, and odd.
     qc_runSpacing = 50331653
@@ -52,7 +54,7 @@ static qcStatus Allocate(const struct qcGlFunctions* gl, GLuint* buffer, size_t 
 
 static qcStatus Use(const struct qcGlFunctions* gl, const char* name, const char* source, GLuint* program)
 {
-    QC_TRY(qcGlFunctions_GetComputeProgram(gl, name, &source, 1, program));
+    QC_TRY(qcGlPrograms_GetCompute(gl, name, &source, 1, program));
     gl->UseProgram(*program);
     return qc_statusOk;
 }
@@ -60,16 +62,6 @@ static qcStatus Use(const struct qcGlFunctions* gl, const char* name, const char
 static void SetUint(const struct qcGlFunctions* gl, GLuint program, const char* name, uint32_t value)
 {
     gl->Uniform1ui(gl->GetUniformLocation(program, name), value);
-}
-
-/// Returns the number of workgroups.
-static uint32_t Dispatch(const struct qcGlFunctions* gl, uint64_t items, uint32_t perGroup)
-{
-    uint64_t groups = (items + perGroup - 1) / perGroup, rows = (groups + qc_groupsInRow - 1) / qc_groupsInRow;
-    uint64_t inRow = groups < qc_groupsInRow ? groups : qc_groupsInRow;
-    if (groups != 0)
-        gl->DispatchCompute((GLuint)inRow, (GLuint)rows, 1);
-    return (uint32_t)(inRow * rows);
 }
 
 /// What was read back must be of this run: a reset, or a fence that a driver signals too early, would leave old
@@ -97,16 +89,22 @@ static qcStatus UploadUsed(const struct qcGlFunctions* gl, qcVertexSnapshot* sna
 /// Objects of the present context, at the first copy and after the device was reopened.
 static qcStatus CreateObjects(const struct qcGlFunctions* gl, qcVertexSnapshot* snapshot, const uint8_t* used)
 {
-    if (snapshot->bounds != 0 && snapshot->generation == qcDevice_GetGeneration(snapshot->device))
+    const uint32_t generation = qcDevice_GetGeneration(snapshot->device);
+    if (snapshot->allocated && snapshot->generation == generation)
         return qc_statusOk;
-    size_t bytes = (size_t)snapshot->vertexCount * qc_positionBytes;
-    snapshot->bounds = snapshot->used = snapshot->buffers[0] = snapshot->buffers[1] = 0;
-    snapshot->generation = qcDevice_GetGeneration(snapshot->device);
+    // Those of another generation went with their context; of this one, what a failed call has made is used.
+    if (snapshot->generation != generation)
+        snapshot->bounds = snapshot->used = snapshot->buffers[0] = snapshot->buffers[1] = 0;
+    snapshot->allocated = false;
+    snapshot->generation = generation;
     snapshot->lost = true;
+    size_t bytes = (size_t)snapshot->vertexCount * qc_positionBytes;
     for (int i = 0; i < 2; i++)
         QC_TRY(Allocate(gl, &snapshot->buffers[i], bytes, NULL, GL_STATIC_COPY));
     QC_TRY(UploadUsed(gl, snapshot, used));
-    return Allocate(gl, &snapshot->bounds, sizeof(Bounds), NULL, GL_DYNAMIC_READ);
+    QC_TRY(Allocate(gl, &snapshot->bounds, sizeof(Bounds), NULL, GL_DYNAMIC_READ));
+    snapshot->allocated = true;
+    return qc_statusOk;
 }
 
 /// Binds the source from an aligned byte on. Returns the words before the first position.
@@ -122,9 +120,7 @@ static uint32_t BindSource(const struct qcGlFunctions* gl, const qcBufferRange* 
 
 static qcStatus CheckLimit(const struct qcGlFunctions* gl, uint64_t bytes)
 {
-    GLint64 limit = 0;
-    gl->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &limit);
-    return (GLint64)bytes <= limit - qc_copiedPerGroup
+    return bytes + qc_maxBefore <= qcGl_MaxStorageBytes(gl)
                ? qc_statusOk
                : qcFail(qc_statusDevice, "vertex buffer: %llu bytes are more than the device's kernels read",
                         (unsigned long long)bytes);
@@ -154,7 +150,7 @@ static qcStatus Copy(const struct qcGlFunctions* gl, void* context)
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, snapshot->buffers[1]);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, snapshot->bounds);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, snapshot->used);
-    uint32_t groups = Dispatch(gl, snapshot->vertexCount, qc_copiedPerGroup);
+    uint32_t groups = qcGl_Dispatch(gl, ((uint64_t)snapshot->vertexCount + qc_copiedPerGroup - 1) / qc_copiedPerGroup);
     gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, snapshot->bounds);
     copying->bounds = (Bounds){0};
@@ -258,7 +254,7 @@ static qcStatus GatherInto(const struct qcGlFunctions* gl, const Gathering* g, G
         gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, g->parts[i].snapshot->buffers[0]);
         SetUint(gl, program, "first", (uint32_t)g->parts[i].first);
         SetUint(gl, program, "count", (uint32_t)g->parts[i].count);
-        groups += Dispatch(gl, g->parts[i].count, qc_lanes);
+        groups += qcGl_Dispatch(gl, ((uint64_t)g->parts[i].count + qc_lanes - 1) / qc_lanes);
     }
     gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffers[1]);

@@ -16,7 +16,8 @@ typedef struct qcVertexSnapshot
     bool lost;         ///< the context that held them is gone
     GLuint buffers[2]; ///< three floats a vertex; the second is the next copy's
     GLuint bounds, used;
-    qcArray marks; ///< uint32_t, by vertex: the number of the last list with it
+    bool allocated; ///< all of them, in the context of the generation
+    qcArray marks;  ///< uint32_t, by vertex: the number of the last list with it
     uint32_t listNumber;
     uint32_t runNumber; ///< of the last copy
 } qcVertexSnapshot;

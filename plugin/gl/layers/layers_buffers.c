@@ -2,6 +2,7 @@
 #include "gl/layers/layers_buffers.h"
 
 #include "base/status.h"
+#include "gl/compute.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -63,11 +64,9 @@ static qcStatus CheckError(const struct qcGlFunctions* gl, const char* moment)
 
 qcStatus qcLayersBuffers_Create(const struct qcGlFunctions* gl, qcLayersBuffers* b)
 {
-    // 64 bits: the limits of some GPUs are 2^31 and more.
-    GLint64 bytes = 0, texels = 0;
-    gl->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
+    GLint64 texels = 0;
     gl->GetInteger64v(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
-    b->maxBytes = bytes > 0 ? (size_t)bytes : 0;
+    b->maxBytes = (size_t)qcGl_MaxStorageBytes(gl);
     b->maxTexels = texels > 0 ? (size_t)texels : 0;
     b->persistent = gl->BufferStorage != NULL;
     gl->GenBuffers(qc_layersBufferCount, b->buffers);
@@ -97,7 +96,11 @@ qcStatus qcLayersBuffers_Allocate(const struct qcGlFunctions* gl, size_t bytes, 
     if (mapping == 0)
         return qc_statusOk;
     *mapped = gl->MapBufferRange(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)bytes, flags);
-    return *mapped != NULL ? qc_statusOk : CheckError(gl, "memory of the device can't be mapped");
+    if (*mapped != NULL)
+        return qc_statusOk;
+    // A lost context maps nothing, and may report no error.
+    QC_TRY(CheckError(gl, "memory of the device can't be mapped"));
+    return qcFail(qc_statusDevice, "layers: memory of the device can't be mapped");
 }
 
 static void BindTexture(const struct qcGlFunctions* gl, const qcLayersBuffers* b, int buffer)
@@ -113,11 +116,11 @@ qcStatus qcLayersBuffers_Resize(const struct qcGlFunctions* gl, qcLayersBuffers*
     size_t bytes = count * shape->elementSize;
     if (bytes > b->maxBytes || (sampler != NULL && count > b->maxTexels))
         return qcFail(qc_statusDevice, "layers: %zu %s are more than the device's buffers hold", count,
-                      sampler != NULL ? sampler : "pairs");
+                      sampler != NULL ? sampler : "elements of a list");
     // An error of an earlier call is reported separately, not as the allocation's.
     QC_TRY(CheckError(gl, "before an allocation"));
     b->capacity[buffer] = 0;
-    gl->programs->bound = NULL;
+    gl->state->bound = NULL;
     if (b->persistent)
     {
         // Storage never changes its size.

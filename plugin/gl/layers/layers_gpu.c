@@ -35,8 +35,8 @@ enum
     // Workgroups that find pairs of triangles, while each takes few pairs of nodes (H200: a folded cloth of 20 K
     // triangles has 2300 pairs of nodes, 4 a workgroup, a tangled one of 92 K has 15 000, 8 a workgroup).
     qc_pairingGroups = 2560,
-    // Pairs of triangles from which on the device puts them in order: that takes a GPU some 10 microseconds, and a
-    // processor 12 for a thousand. Buckets are many, since pairs lie in few places: of the bench's tangles and piles
+    // With as many pairs of triangles or more the device puts them in order: that takes a GPU some 10 microseconds, and
+    // a processor 12 for a thousand. Buckets are many, since pairs lie in few places: of the bench's tangles and piles
     // none has more than 500 pairs, on average 14 to 60.
     qc_minOrdered = 4096,
     qc_pairsOfBucket = 64,
@@ -153,10 +153,10 @@ static uint32_t TileCount(const qcLayersStep* step)
 /// Workgroups that compare one tile with others: many, so that few wait for one, but no more than pay.
 static uint32_t PartsOfTile(uint32_t tiles)
 {
-    uint32_t least = (tiles + qc_nodeComparers - 1) / qc_nodeComparers, most = tiles;
+    uint32_t min = (tiles + qc_nodeComparers - 1) / qc_nodeComparers, max = tiles;
     uint32_t count = tiles != 0 ? qc_comparingGroups / tiles : 0;
-    count = count < most ? count : most;
-    return count > least ? count : least;
+    count = count < max ? count : max;
+    return count > min ? count : min;
 }
 
 /// Words of qc_workLists between the counters and the buckets.
@@ -201,13 +201,13 @@ static uint32_t CountOf(const qcLayers* layers, List list)
 /// For about as many pairs as in the last run.
 static void ChooseBuckets(qcLayers* layers)
 {
-    uint32_t pairs = CountOf(layers, list_survivors), last = layers->step.triangleCount - 1, most = qc_minBuckets;
+    uint32_t pairs = CountOf(layers, list_survivors), last = layers->step.triangleCount - 1, buckets = qc_minBuckets;
     layers->bucketCount = layers->bucketShift = 0;
     if (layers->imageOnly || pairs < qc_minOrdered)
         return;
-    while (most < qc_maxBuckets && pairs / qc_pairsOfBucket > most)
-        most *= 2;
-    while (last >> layers->bucketShift >= most)
+    while (buckets < qc_maxBuckets && pairs / qc_pairsOfBucket > buckets)
+        buckets *= 2;
+    while (last >> layers->bucketShift >= buckets)
         layers->bucketShift++;
     layers->bucketCount = (last >> layers->bucketShift) + 1;
 }
@@ -369,8 +369,8 @@ static void RunVertices(const struct qcGlFunctions* gl, qcLayers* layers)
 /// gets to the end.
 static uint64_t GroupsOfList(const qcLayers* layers, List list, uint32_t share)
 {
-    uint64_t expected = ExpectedItems(layers, list), least = ListCapacity(layers, list) / qc_maxRounds;
-    return (expected > least ? expected : least) / share + 1;
+    uint64_t expected = ExpectedItems(layers, list), min = ListCapacity(layers, list) / qc_maxRounds;
+    return (expected > min ? expected : min) / share + 1;
 }
 
 static void RunKernels(const struct qcGlFunctions* gl, qcLayers* layers)
@@ -399,7 +399,7 @@ static void RunKernels(const struct qcGlFunctions* gl, qcLayers* layers)
 static bool ShowsErrors(const struct qcGlFunctions* gl, const qcLayers* layers)
 {
     const qcLayersStep* step = &layers->step;
-    return gl->programs->bound == layers && layers->buffers.persistent && !layers->imageOnly && !step->timed &&
+    return gl->state->bound == layers && layers->buffers.persistent && !layers->imageOnly && !step->timed &&
            step->uploadCount == 0 && step->sourceCount == 0 && layers->answer.reruns == 0;
 }
 
@@ -413,7 +413,7 @@ static void Submit(const struct qcGlFunctions* gl, qcLayers* layers)
     WriteParameters(layers);
     qcLayersStream_Submit(gl, &layers->stream, FindPlaces(&layers->step).end * sizeof(uint32_t));
     layers->showsErrors = ShowsErrors(gl, layers);
-    if (gl->programs->bound != layers)
+    if (gl->state->bound != layers)
         qcLayersBuffers_BindAll(gl, &layers->buffers, layers->stream.buffer);
     qcGlTimers_Mark(gl, &layers->timers, qc_partUpload);
     RunKernels(gl, layers);
@@ -466,7 +466,7 @@ static qcStatus ReserveAll(const struct qcGlFunctions* gl, qcLayers* layers)
 static qcStatus SubmitStep(const struct qcGlFunctions* gl, qcLayers* layers)
 {
     const qcLayersStep* step = &layers->step;
-    gl->programs->calls = 0;
+    gl->state->calls = 0;
     qcGlTimers_Begin(gl, &layers->timers, step->timed, step->started, qc_partHandOver);
     layers->answer = (qcLayersAnswer){.uploadedBytes = StepBytes(step)};
     ChooseBuckets(layers);
@@ -575,17 +575,17 @@ static qcStatus FinishStep(const struct qcGlFunctions* gl, qcLayers* layers)
         QC_TRY(Wait(gl, layers));
         QC_TRY(GrowLists(gl, layers, &again));
     }
-    gl->programs->isAnswered = true;
-    gl->programs->hasNoErrors = layers->showsErrors;
+    gl->state->isAnswered = true;
+    gl->state->hasNoErrors = layers->showsErrors;
     QC_TRY(layers->imageOnly ? ReadImage(gl, layers) : ReadPairs(gl, layers));
     answer->entries = CountOf(layers, list_entries);
     answer->trianglePairs = CountOf(layers, list_trianglePairs);
     answer->skippedNodes = layers->counters.skippedNodes.count;
     answer->deviceBytes = qcLayersBuffers_ByteCount(&layers->buffers) + layers->stream.size;
-    answer->glCalls = gl->programs->calls + (layers->showsErrors ? 0 : qc_callsOfJob);
+    answer->glCalls = gl->state->calls + (layers->showsErrors ? 0 : qc_callsOfJob);
     qcGlTimers_Mark(gl, &layers->timers, qc_partWait);
     qcGlTimers_End(gl, &layers->timers, qc_partTimers);
-    qcGl_KeepBindings(gl, gl->programs->bound);
+    qcGl_KeepBindings(gl, gl->state->bound);
     return qc_statusOk;
 }
 

@@ -2,6 +2,8 @@
 #include "gl/layers/layers_kernels.h"
 
 #include "base/status.h"
+#include "gl/compute.h"
+#include "gl/programs.h"
 #include "layers_shaders.h"
 #include "quickcullide/scene.h"
 
@@ -58,7 +60,7 @@ static qcStatus GetProgram(const struct qcGlFunctions* gl, qcLayersKernels* kern
     WriteConstants(constants, sizeof constants, kernel, kernels->imageOnly);
     const char* sources[] = {constants, s_layersCommon, shape->source};
     GLuint program;
-    QC_TRY(qcGlFunctions_GetComputeProgram(gl, shape->name, sources, 3, &program));
+    QC_TRY(qcGlPrograms_GetCompute(gl, shape->name, sources, 3, &program));
     kernels->programs[kernel] = program;
     gl->UseProgram(program);
     for (int buffer = 0; buffer < qc_layersBufferCount; buffer++)
@@ -77,13 +79,6 @@ qcStatus qcLayersKernels_Create(const struct qcGlFunctions* gl, qcLayersKernels*
         if (kernels->imageOnly ? s_shapes[kernel].forImage : s_shapes[kernel].forPairs)
             QC_TRY(GetProgram(gl, kernels, kernel));
     return qc_statusOk;
-}
-
-static void Dispatch(const struct qcGlFunctions* gl, uint64_t groups)
-{
-    groups = groups > 0 ? groups : 1;
-    qcGl_Counted(gl)->DispatchCompute((GLuint)(groups < qc_groupsInRow ? groups : qc_groupsInRow),
-                                      (GLuint)((groups + qc_groupsInRow - 1) / qc_groupsInRow), 1);
 }
 
 /// Later kernels see what a kernel has written, parameters too.
@@ -105,7 +100,7 @@ void qcLayersKernels_Run(const struct qcGlFunctions* gl, const qcLayersKernels* 
                          uint64_t groups, bool isLast)
 {
     qcGl_Counted(gl)->UseProgram(kernels->programs[kernel]);
-    Dispatch(gl, groups);
+    qcGl_Dispatch(gl, groups > 0 ? groups : 1);
     if (isLast)
         FinishForProcessor(gl);
     else
@@ -117,7 +112,7 @@ void qcLayersKernels_RunForeign(const struct qcGlFunctions* gl, const qcLayersKe
 {
     qcGl_Counted(gl)->UseProgram(kernels->programs[qc_kernelVertices]);
     qcGl_Counted(gl)->Uniform2ui(kernels->foreign, first, end);
-    Dispatch(gl, end - first);
+    qcGl_Dispatch(gl, end > first ? end - first : 1);
     qcGl_Counted(gl)->Uniform2ui(kernels->foreign, 0, 0);
     FinishForKernels(gl);
 }

@@ -25,7 +25,6 @@ enum
     // Pairs of nodes that such a workgroup takes at a time: few in small scenes, so that it is done in few rounds.
     qc_minNodePairs = 4,
     qc_maxNodePairs = 16,
-    qc_groupsInRow = 1 << 15, ///< workgroups of a dispatch along x
     qc_testsOfGroup = 64,     ///< pairs of triangles that a workgroup of qc_kernelPairTests tests at a time
     qc_bucketSize = 512,      ///< pairs of triangles that a workgroup of qc_kernelOrder orders
     qc_orderInvocations = 128 ///< of such a workgroup

@@ -2,6 +2,7 @@
 #include "gl/layers/layers_stream.h"
 
 #include "base/status.h"
+#include "gl/compute.h"
 #include "gl/layers/layers_buffers.h"
 
 void qcLayersStream_Delete(const struct qcGlFunctions* gl, qcLayersStream* stream)
@@ -14,12 +15,10 @@ qcStatus qcLayersStream_Grow(const struct qcGlFunctions* gl, qcLayersStream* str
 {
     bool persistent = gl->BufferStorage != NULL;
     size_t size = bytes + bytes / 4;
-    GLint64 max = 0;
-    gl->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &max);
-    if (size > (size_t)max)
+    if (size > qcGl_MaxStorageBytes(gl))
         return qcFail(qc_statusDevice, "layers: %zu bytes of a step are more than the device's buffers hold", size);
     qcLayersStream_Delete(gl, stream);
-    gl->programs->bound = NULL;
+    gl->state->bound = NULL;
     gl->GenBuffers(1, &stream->buffer);
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, stream->buffer);
     void* mapped = NULL;

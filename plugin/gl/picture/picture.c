@@ -6,6 +6,7 @@
 #include "gl/device.h"
 #include "gl/picture/check_picture.h"
 #include "gl/picture/received_light.h"
+#include "gl/programs.h"
 #include "picture_shaders.h"
 
 enum
@@ -157,7 +158,7 @@ static qcStatus DrawTiles(const struct qcGlFunctions* gl, PictureJob* job)
     GLint tileWidth = width < qc_pictureTileSize ? width : qc_pictureTileSize;
     GLint tileHeight = height < qc_pictureTileSize ? height : qc_pictureTileSize;
     QC_TRY(CreateFramebuffers(gl, job, tileWidth, tileHeight));
-    QC_TRY(qcGlFunctions_GetProgram(gl, "picture", s_pictureMesh, s_picturePicture, &job->program));
+    QC_TRY(qcGlPrograms_Get(gl, "picture", s_pictureMesh, s_picturePicture, &job->program));
     gl->UseProgram(job->program);
     SetUniforms(gl, job);
     gl->Enable(GL_DEPTH_TEST);

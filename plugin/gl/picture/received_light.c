@@ -2,6 +2,7 @@
 #include "gl/picture/received_light.h"
 
 #include "base/status.h"
+#include "gl/programs.h"
 #include "picture_shaders.h"
 
 enum
@@ -73,7 +74,7 @@ static qcStatus DrawShadowMap(const struct qcGlFunctions* gl, const qcPictureDef
                               const qcPictureMeshes* meshes, GLuint framebuffer)
 {
     GLuint program = 0;
-    QC_TRY(qcGlFunctions_GetProgram(gl, "picture, shadows", s_pictureMesh, s_pictureShadow, &program));
+    QC_TRY(qcGlPrograms_Get(gl, "picture, shadows", s_pictureMesh, s_pictureShadow, &program));
     gl->UseProgram(program);
     gl->UniformMatrix4fv(gl->GetUniformLocation(program, "clip"), 1, GL_FALSE, space->lightClip);
     gl->BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
@@ -91,7 +92,7 @@ static qcStatus DrawSurfaces(const struct qcGlFunctions* gl, const qcPictureDef*
                              const qcPictureMeshes* meshes, const qcReceivedLight* light)
 {
     GLuint program = 0;
-    QC_TRY(qcGlFunctions_GetProgram(gl, "picture, surfaces", s_pictureMesh, s_pictureSurface, &program));
+    QC_TRY(qcGlPrograms_Get(gl, "picture, surfaces", s_pictureMesh, s_pictureSurface, &program));
     gl->UseProgram(program);
     gl->UniformMatrix4fv(gl->GetUniformLocation(program, "clip"), 1, GL_FALSE, space->clip);
     gl->Uniform1i(gl->GetUniformLocation(program, "edges"), 0);
@@ -119,7 +120,7 @@ static void BindInput(const struct qcGlFunctions* gl, GLuint program, const char
 static qcStatus FindLight(const struct qcGlFunctions* gl, const qcPictureSpace* space, const qcReceivedLight* light)
 {
     GLuint program = 0;
-    QC_TRY(qcGlFunctions_GetProgram(gl, "picture, light", s_pictureScreen, s_pictureLight, &program));
+    QC_TRY(qcGlPrograms_Get(gl, "picture, light", s_pictureScreen, s_pictureLight, &program));
     gl->UseProgram(program);
     BindInput(gl, program, "depths", 0, light->textures[qc_surfaceDepths]);
     BindInput(gl, program, "normals", 1, light->textures[qc_surfaceNormals]);
@@ -137,7 +138,7 @@ static qcStatus FindLight(const struct qcGlFunctions* gl, const qcPictureSpace* 
     gl->BindFramebuffer(GL_FRAMEBUFFER, light->framebuffers[2]);
     gl->DrawArrays(GL_TRIANGLES, 0, 3);
 
-    QC_TRY(qcGlFunctions_GetProgram(gl, "picture, blur", s_pictureScreen, s_pictureBlur, &program));
+    QC_TRY(qcGlPrograms_Get(gl, "picture, blur", s_pictureScreen, s_pictureBlur, &program));
     gl->UseProgram(program);
     BindInput(gl, program, "lights", 0, light->textures[qc_noisyLights]);
     gl->BindFramebuffer(GL_FRAMEBUFFER, light->framebuffers[3]);

@@ -3,6 +3,7 @@
 #include "gl/visibility/conservative_dilation.h"
 #include "gl/visibility/tile_schedule.h"
 #include "base/status.h"
+#include "gl/programs.h"
 
 #include <string.h>
 
@@ -116,9 +117,9 @@ static void CreateDepths(const struct qcGlFunctions* gl, uint32_t tileSize, qcFr
 qcStatus qcFragmentFlags_Create(const struct qcGlFunctions* gl, uint32_t tileSize, qcFragmentFlags* flags)
 {
     bool dilated = tileSize != 0;
-    QC_TRY(qcGlFunctions_GetProgram(gl, dilated ? "dilated visibility flags" : "visibility flags",
-                                    dilated ? s_dilatedVertexShader : s_vertexShader,
-                                    dilated ? s_dilatedFragmentShader : s_fragmentShader, &flags->program));
+    QC_TRY(qcGlPrograms_Get(gl, dilated ? "dilated visibility flags" : "visibility flags",
+                            dilated ? s_dilatedVertexShader : s_vertexShader,
+                            dilated ? s_dilatedFragmentShader : s_fragmentShader, &flags->program));
     flags->axisUniform = gl->GetUniformLocation(flags->program, "axis");
     flags->greaterUniform = gl->GetUniformLocation(flags->program, "greater");
     flags->scaleUniform = gl->GetUniformLocation(flags->program, "scale");

@@ -2,6 +2,8 @@
 #include "gl/visibility/sure_kernels.h"
 
 #include "base/status.h"
+#include "gl/compute.h"
+#include "gl/programs.h"
 #include "visibility_shaders.h"
 
 #include <math.h>
@@ -10,8 +12,7 @@
 enum
 {
     qc_localSize = 64,
-    qc_lanes = 8,             // invocations for a triangle in the last kernel
-    qc_groupsInRow = 1 << 15, // workgroups of a dispatch along x
+    qc_lanes = 8, // invocations for a triangle in the last kernel
     // Steps are numbered in 30 bits.
     qc_maxSteps = 1 << 30,
     qc_maxCellsPerSide = 1024,
@@ -80,13 +81,10 @@ qcStatus qcSureKernels_Create(const struct qcGlFunctions* gl, qcSureKernels* ker
     for (int i = 0; i < qc_sureKernelCount; ++i)
     {
         const char* sources[] = {"#version 430 core\n", s_visibilityCommon, s_kernels[i].source};
-        QC_TRY(qcGlFunctions_GetComputeProgram(gl, s_kernels[i].name, sources, 3, &kernels->programs[i]));
+        QC_TRY(qcGlPrograms_GetCompute(gl, s_kernels[i].name, sources, 3, &kernels->programs[i]));
     }
     gl->GenBuffers(qc_sureBufferCount, kernels->buffers);
-    // 64 bits: the limits of some GPUs are 2^31 and more.
-    GLint64 maxBytes = 0;
-    gl->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &maxBytes);
-    kernels->maxBytes = maxBytes > 0 ? (size_t)maxBytes : 0;
+    kernels->maxBytes = (size_t)qcGl_MaxStorageBytes(gl);
     return qc_statusOk;
 }
 
@@ -173,9 +171,7 @@ static void Run(const struct qcGlFunctions* gl, const qcSureKernels* kernels, Ke
 {
     gl->UseProgram(kernels->programs[kernel]);
     gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    size_t groups = (items + qc_localSize - 1) / qc_localSize;
-    gl->DispatchCompute((GLuint)(groups < qc_groupsInRow ? groups : qc_groupsInRow),
-                        (GLuint)((groups + qc_groupsInRow - 1) / qc_groupsInRow), 1);
+    qcGl_Dispatch(gl, (items + qc_localSize - 1) / qc_localSize);
 }
 
 qcStatus qcSureKernels_Find(const struct qcGlFunctions* gl, qcSureKernels* kernels, const qcSureView* view,

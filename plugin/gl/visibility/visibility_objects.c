@@ -2,6 +2,7 @@
 #include "gl/visibility/visibility_objects.h"
 
 #include "base/status.h"
+#include "gl/programs.h"
 #include "gl/visibility/conservative_dilation.h"
 
 #include <stddef.h>
@@ -101,10 +102,9 @@ static void LayOutVertices(const struct qcGlFunctions* gl, const qcVisibility* v
 static qcStatus CreateQueries(const struct qcGlFunctions* gl, qcVisibility* v)
 {
     if (v->isDilated)
-        QC_TRY(qcGlFunctions_GetProgram(gl, "dilated visibility", s_dilatedVertexShader, s_dilatedFragmentShader,
-                                        &v->program));
+        QC_TRY(qcGlPrograms_Get(gl, "dilated visibility", s_dilatedVertexShader, s_dilatedFragmentShader, &v->program));
     else
-        QC_TRY(qcGlFunctions_GetProgram(gl, "visibility", s_vertexShader, s_fragmentShader, &v->program));
+        QC_TRY(qcGlPrograms_Get(gl, "visibility", s_vertexShader, s_fragmentShader, &v->program));
     v->axisUniform = gl->GetUniformLocation(v->program, "axis");
     v->scaleUniform = gl->GetUniformLocation(v->program, "scale");
     v->tileUniform = gl->GetUniformLocation(v->program, "tile");

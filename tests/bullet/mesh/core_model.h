@@ -4,7 +4,7 @@
 
 #include "bullet/mesh/mesh_models.h"
 
-#include "mesh_contact/convex_cores.h"
+#include "mesh_contact/limits/convex_cores.h"
 
 // After the standard headers: check defines a macro named fail.
 #include "support/suite.h"

@@ -1,5 +1,5 @@
 // Hulls that move past meshes at rest: none that is said to pass no triangle meets one, by exact tests on the way.
-#include "mesh_contact/clear_path.h"
+#include "mesh_contact/limits/clear_path.h"
 
 #include "bullet/mesh/core_model.h"
 #include "bullet/mesh/motion_oracle.h"

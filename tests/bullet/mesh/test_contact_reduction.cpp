@@ -1,5 +1,5 @@
 // The points of a pair that are kept for Bullet's manifold: the deepest one, and those that carry the body.
-#include "mesh_contact/contact_reduction.h"
+#include "mesh_contact/points/contact_reduction.h"
 #include "support/suite.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // Bullet's convex shapes that are fast pass no qcMeshShape: the limits stop their cores.
-#include "mesh_contact/convex_cores.h"
+#include "mesh_contact/limits/convex_cores.h"
 
 #include "bullet/mesh/core_model.h"
 #include "bullet/mesh/mesh_world.h"

@@ -1,8 +1,8 @@
 // What is known of a pair of meshes is used as long as it holds, and no longer: plugin/docs/proofs/pair_reuse.md.
 #include "bullet/mesh/mesh_world.h"
 
-#include "mesh_contact/box_gap.h"
-#include "mesh_contact/pair_contacts.h"
+#include "mesh_contact/points/pair_contacts.h"
+#include "mesh_contact/scene/box_gap.h"
 
 #include <random>
 

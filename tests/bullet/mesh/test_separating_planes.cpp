@@ -1,7 +1,7 @@
 // Planes between two small meshes, and contact points on both sides of them, beside exact distances of triangles.
 #include "bullet/mesh/mesh_models.h"
-#include "mesh_contact/plane_contact.h"
-#include "mesh_contact/touching_faces.h"
+#include "mesh_contact/planes/plane_contact.h"
+#include "mesh_contact/planes/touching_faces.h"
 #include "support/suite.h"
 
 #include <check.h>

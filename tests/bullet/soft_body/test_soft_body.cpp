@@ -12,8 +12,8 @@
 #include <vector>
 
 // After the standard headers: check defines a macro named fail.
-#include "support/devices.h"
 #include "bullet/soft_body/soft_models.h"
+#include "support/devices.h"
 
 namespace
 {

@@ -1,8 +1,8 @@
 // Momentum and energy where contacts can't separate surfaces, cloth among moving meshes, bodies that are tangled at the
 // start.
 #include "bench/soft/pile_scene.h"
-#include "bullet/soft_body/soft_world.h"
 #include "bench/soft/tangle_scene.h"
+#include "bullet/soft_body/soft_world.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <BulletSoftBody/btSoftBodyHelpers.h>

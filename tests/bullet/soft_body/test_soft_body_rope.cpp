@@ -1,8 +1,8 @@
 // Ropes, soft bodies of links without faces, against meshes, cloth and each other: links collide, not only nodes.
 #include "quickcullide/bullet_deformable.h"
 
-#include "bullet/mesh/mesh_models.h"
 #include "bench/soft/rope_scene.h"
+#include "bullet/mesh/mesh_models.h"
 #include "bullet/soft_body/deformable_test_world.h"
 #include "bullet/soft_body/soft_world.h"
 

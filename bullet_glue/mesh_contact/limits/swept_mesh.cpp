@@ -1,0 +1,126 @@
+// A mesh of an object in the scene of motions.
+#include "mesh_contact/limits/swept_mesh.h"
+
+#include "common/moved_vertices.h"
+#include "common/vertex_box.h"
+#include "quickcullide/hash.h"
+
+#include <algorithm>
+
+qcSweptMesh::qcSweptMesh(const qcSweptSource& source, bool keeps)
+    : part(source.part), shape(source.mesh.shape), local(source.mesh.transform), revision(qcMeshRevision(shape)),
+      triangles(new qcMeshTriangles(shape, nullptr))
+{
+    if (!keeps || triangles->pointCount == 0)
+        return;
+    if (qcAsMeshShape(shape) == nullptr)
+    {
+        const std::vector<qcTriangleSource>& sources = triangles->sources;
+        trianglesHash = qcXxh64(sources.data(), sources.size() * sizeof(qcTriangleSource), 0);
+        return;
+    }
+    kept.assign(triangles->points, triangles->points + triangles->pointCount);
+    trianglesHash = qcXxh64(triangles->indices, 3 * size_t(triangles->count) * sizeof(uint32_t), 0);
+}
+
+bool qcSweptMesh::Encloses(const btVector3& point) const
+{
+    const btVector3* points = triangles->points;
+    btVector3 centre(0, 0, 0);
+    btScalar radius = 0;
+    for (uint32_t i = 0; i < triangles->pointCount; i++)
+    {
+        centre += points[i] / btScalar(triangles->pointCount);
+        radius = std::max(radius, points[i].length());
+    }
+    for (uint32_t t = 0; t < triangles->count; t++)
+    {
+        const uint32_t* index = triangles->indices + 3 * size_t(t);
+        const btVector3& corner = points[index[0]];
+        const btVector3 ab = points[index[1]] - corner, ac = points[index[2]] - corner, normal = ab.cross(ac);
+        // The normal of a sliver is made of the rounding of its corners.
+        const btScalar rounding = 4 * SIMD_EPSILON * radius * (ab.length() + ac.length());
+        const btScalar height = normal.dot(point - corner);
+        const bool isInside = normal.dot(centre - corner) > 0 ? height > 0 : height < 0;
+        if (!isInside && normal.length() > rounding)
+            return false;
+    }
+    return true;
+}
+
+void qcSweptMesh::DeformFrom(qcSweptMesh* last)
+{
+    const size_t count = triangles->pointCount;
+    if (trianglesHash == 0 || last->trianglesHash != trianglesHash || last->triangles->pointCount != count ||
+        !qcAreSame(last->local, local))
+        return;
+    const btVector3* points = last->kept.empty() ? last->triangles->points : last->kept.data();
+    btVector3 box[2];
+    qcFindBox(points, count, box);
+    if (!qcHaveMoved(points, triangles->points, count, box))
+        return;
+    startPoints.assign(points, points + count);
+    startBox[0] = box[0];
+    startBox[1] = box[1];
+    if (last->isDeforming)
+    {
+        std::swap(id, last->id);
+        isDeforming = true;
+    }
+}
+
+qcStatus qcSweptMesh::AddTo(qcScene* scene, const btTransform& object, uint32_t owner)
+{
+    qcBodyDef def = qcMeshBodyDef(triangles->points, triangles->pointCount, triangles->indices, triangles->count,
+                                  object * local, qc_activityMoving);
+    def.owner = owner;
+    isDeforming = Deforms();
+    return isDeforming ? qcAddDeforming(scene, def, object * local, &id) : qcScene_AddBody(scene, &def, &id);
+}
+
+void qcSweptMesh::RemoveFrom(qcScene* scene)
+{
+    if (id.generation != 0)
+        qcScene_RemoveBody(scene, id);
+    id = qcBodyId{};
+}
+
+qcStatus qcSweptMesh::Place(qcScene* scene, const btTransform& object, bool atStart) const
+{
+    const btTransform place = object * local;
+    if (isDeforming)
+    {
+        const btVector3* points = atStart && Deforms() ? startPoints.data() : triangles->points;
+        return qcSetDeforming(scene, id, place, points, triangles->pointCount);
+    }
+    const qcTransform transform = qcTransformOf(place);
+    return qcScene_SetTransform(scene, id, &transform);
+}
+
+std::vector<qcSweptSource> qcCollectSwept(const btCollisionShape* shape, qcConvexCores* cores,
+                                          qcConvexCores* innerCores)
+{
+    std::vector<qcSweptSource> swept;
+    auto add = [&swept](const btCollisionShape* meshes, const btTransform& place, qcSweptPart part)
+    {
+        std::vector<qcBatchMesh> collected;
+        qcCollectMeshes(meshes, place, &collected);
+        for (const qcBatchMesh& mesh : collected)
+            swept.push_back({mesh, part});
+    };
+    add(shape, btTransform::getIdentity(), qcSweptPart::mesh);
+    for (auto [from, part] :
+         {std::make_pair(cores, qcSweptPart::core), std::make_pair(innerCores, qcSweptPart::innerCore)})
+        if (from != nullptr)
+            from->ForEachCore(shape, [&add, part = part](const qcConvexCore& core, const btTransform& place)
+                              { add(core.mesh.get(), place, part); });
+    return swept;
+}
+
+std::vector<qcSweptMesh> qcReadSweptMeshes(const std::vector<qcSweptSource>& present, bool keeps)
+{
+    std::vector<qcSweptMesh> meshes;
+    for (const qcSweptSource& source : present)
+        meshes.emplace_back(source, keeps);
+    return meshes;
+}

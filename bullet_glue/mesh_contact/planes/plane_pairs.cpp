@@ -1,0 +1,288 @@
+// Pairs of small meshes that a plane separates. Why contact is searched this far: plugin/docs/mesh_contact.md.
+#include "mesh_contact/planes/plane_pairs.h"
+
+#include "common/parallel_loop.h"
+#include "mesh_contact/planes/touching_faces.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace
+{
+// Bodies that move in a step by no more than the threshold, or than this part of the smaller one, stop others; two that
+// turn by more are sampled.
+constexpr btScalar s_maxTurn = btScalar(0.05);
+// They are sampled by planes if one of the two has more triangles than this: 12 tori of 576 come to rest after 13 s
+// then, and after 8 s if their triangles are sampled (qc-bench piles, seven seeds), at the same cost.
+constexpr size_t s_fewTriangles = 600;
+// Pairs that a thread takes at a time: of 2 to 10 microseconds each, so that fewer are not worth a second thread.
+constexpr size_t s_block = 32;
+
+/// How fast two meshes approach each other: the motion of one relative to the other, where the smaller one is.
+struct Approach
+{
+    btVector3 linear; ///< motion of A relative to B in a step, at the centre of the smaller mesh
+    btScalar turn;    ///< upper bound of what rotation adds elsewhere in it
+
+    /// Upper bound along any direction.
+    btScalar Max() const
+    {
+        return linear.length() + turn;
+    }
+    btScalar Along(const btVector3& axis) const
+    {
+        return std::max(linear.dot(axis) + turn, btScalar(0));
+    }
+};
+
+Approach ApproachOf(const qcRigidMotion& motionA, const qcPlacedSupport& a, const qcRigidMotion& motionB,
+                    const qcPlacedSupport& b, btScalar timeStep)
+{
+    const qcPlacedSupport& small = a.mesh->Radius() < b.mesh->Radius() ? a : b;
+    const btVector3& centre = small.transform.getOrigin();
+    return {(motionA.VelocityAt(centre) - motionB.VelocityAt(centre)) * timeStep,
+            (motionA.angular - motionB.angular).length() * small.mesh->Radius() * timeStep};
+}
+} // namespace
+
+/// Reads an object of one mesh that is in the scene.
+void qcPlanePairs::ReadBody(const btCollisionObject* object, const qcBatchObject& gathered)
+{
+    if (gathered.meshes.size() != 1 || !gathered.meshes.front().placed)
+        return;
+    size_t slot = gathered.meshes.front().id.slot;
+    m_bodies.resize(std::max(m_bodies.size(), slot + 1));
+    Body& body = m_bodies[slot];
+    if (!body.isKnown)
+        body = {true, m_cache.FindMesh(object), qcRigidMotion(object)};
+}
+
+/// An object's mesh and its place; a null mesh: it does not consist of one small mesh.
+qcPlacedSupport qcPlanePairs::SideOf(const qcBatchObject& gathered) const
+{
+    const bool isPlaced = gathered.meshes.size() == 1 && gathered.meshes.front().placed;
+    if (!isPlaced)
+        return {nullptr, btTransform::getIdentity()};
+    const qcBatchMesh& mesh = gathered.meshes.front();
+    return {m_bodies[mesh.id.slot].mesh, mesh.transform};
+}
+
+/// True if both objects consist of one small mesh each.
+bool qcPlanePairs::AreSmall(const qcBatchPair& pair) const
+{
+    return SideOf(*pair.gathered0).mesh != nullptr && SideOf(*pair.gathered1).mesh != nullptr;
+}
+
+/// Computes the contact of a pair. Calls with different workers may run at once.
+qcPlanePairs::Result qcPlanePairs::ComputePair(const qcBatchPair& duePair, size_t index, uint32_t worker)
+{
+    Result result{};
+    if (!AreSmall(duePair))
+        return result;
+    const btCollisionObject *object0 = duePair.object0, *object1 = duePair.object1;
+    const qcBatchObject &a = *duePair.gathered0, &b = *duePair.gathered1;
+    const uint32_t slotA = a.meshes.front().id.slot, slotB = b.meshes.front().id.slot;
+    const qcPlacedSupport sideA = SideOf(a), sideB = SideOf(b);
+    const qcSupportMesh *meshA = sideA.mesh, *meshB = sideB.mesh;
+    const qcRigidMotion &motionA = m_bodies[slotA].motion, &motionB = m_bodies[slotB].motion;
+    std::vector<qcMeshPoint>& points = m_workers[worker].points;
+    Approach approach = ApproachOf(motionA, sideA, motionB, sideB, m_timeStep);
+    btScalar threshold = std::min(a.threshold, b.threshold), margins = a.margin + b.margin;
+    btScalar rest = qcBatchScene::s_restDistance * threshold;
+    btScalar spacing = std::max(threshold, s_maxTurn * std::min(meshA->Radius(), meshB->Radius()));
+    btScalar travelA = motionA.MaxSpeed(meshA->Radius()) * m_timeStep,
+             travelB = motionB.MaxSpeed(meshB->Radius()) * m_timeStep;
+    // The two may meet within this distance, or if others stop one of them.
+    btScalar distance = std::min(threshold, rest + a.maxClosing + b.maxClosing), max = approach.Max();
+    if (std::max(travelA, travelB) > spacing)
+        max = std::max({max, travelA, travelB});
+    btVector3 guess = m_cache.GetAxis(object0, sideA.transform, object1, sideB.transform);
+    qcSeparation separation;
+    result.isTouching = guess.fuzzyZero() && qcFindTouchingFaces(sideA, sideB, &separation);
+    if (!result.isTouching)
+        separation = qcFindSeparation(sideA, sideB, guess, std::max(distance, rest + max) + a.lead + b.lead + margins,
+                                      qcFaceSlack * threshold);
+    m_cache.KeepAxis(object0, sideA.transform, object1, sideB.transform, separation.axis);
+    btScalar closing = approach.Along(separation.axis);
+    distance = std::max(distance, rest + closing) + a.lead + b.lead + margins;
+    // Two that turn touch elsewhere than where they are nearest: samples follow the motion.
+    const bool turns = !result.isTouching && separation.gap <= distance && approach.turn > spacing;
+    if (turns && std::max(meshA->Triangles().count, meshB->Triangles().count) <= s_fewTriangles)
+        return result;
+    if (turns)
+        distance = qcBatchScene::ContactDistance(a, b) + margins;
+    result.pair = {slotA, slotB, false, worker, points.size(), points.size(), separation.gap};
+    bool hasContact = separation.gap <= distance;
+    if (result.isTouching && hasContact)
+        qcPlaneContact::AddTouching(sideA, sideB, separation, &points);
+    else if (hasContact && (separation.gap < -qcMaxHullOverlap * threshold ||
+                            !m_workers[worker].contact.Find(sideA, sideB, separation, distance,
+                                                            turns || closing <= spacing, &points)))
+        return result;
+    result.pair.end = points.size();
+    if (!turns && std::max(travelA, travelB) > spacing && separation.gap <= rest + max + margins)
+        m_workers[worker].links.push_back({sideA,
+                                           sideB,
+                                           slotA,
+                                           slotB,
+                                           {travelA <= spacing, travelB <= spacing},
+                                           hasContact,
+                                           separation,
+                                           margins,
+                                           rest,
+                                           index});
+    if (slotA > slotB)
+    {
+        std::swap(result.pair.low, result.pair.high);
+        result.pair.isSwapped = true;
+    }
+    result.known = turns ? Contact::atStart : Contact::all;
+    return result;
+}
+
+/// Collects the links of all workers, in the order of their pairs.
+void qcPlanePairs::CollectLinks()
+{
+    m_links.clear();
+    for (const Worker& worker : m_workers)
+        m_links.insert(m_links.end(), worker.links.begin(), worker.links.end());
+    std::sort(m_links.begin(), m_links.end(), [](const Link& x, const Link& y) { return x.pair < y.pair; });
+}
+
+/// Collects the pairs of which something is known.
+void qcPlanePairs::CollectPairs()
+{
+    m_pairs.clear();
+    for (const Result& result : m_results)
+        if (result.known != Contact::none)
+            m_pairs.push_back(result.pair);
+    std::sort(m_pairs.begin(), m_pairs.end(),
+              [](const Pair& x, const Pair& y) { return std::tie(x.low, x.high) < std::tie(y.low, y.high); });
+}
+
+void qcPlanePairs::Compute(const std::vector<qcBatchPair>& pairs, btScalar timeStep, unsigned threads)
+{
+    m_timeStep = timeStep;
+    m_bodies.clear();
+    for (const qcBatchPair& pair : pairs)
+    {
+        ReadBody(pair.object0, *pair.gathered0);
+        ReadBody(pair.object1, *pair.gathered1);
+        if (AreSmall(pair))
+            m_cache.AddPair(pair.object0, pair.object1);
+    }
+    m_workers.resize(qcWorkersOf(threads));
+    for (Worker& worker : m_workers)
+    {
+        worker.points.clear();
+        worker.links.clear();
+    }
+    m_results.resize(pairs.size());
+    qcForEach(uint32_t(m_workers.size()), pairs.size(), s_block,
+              [&](size_t i, uint32_t worker) { m_results[i] = ComputePair(pairs[i], i, worker); });
+    for (size_t i = 0; i < pairs.size(); i++)
+        if (m_results[i].isTouching)
+            m_cache.KeepTouching(pairs[i].object0, SideOf(*pairs[i].gathered0), pairs[i].object1,
+                                 SideOf(*pairs[i].gathered1));
+    CollectLinks();
+    Follow();
+    CollectPairs();
+}
+
+/// How much a pair has closed in along its axis at a time.
+btScalar qcPlanePairs::ClosingUntil(const Link& link, btScalar time) const
+{
+    const Body &a = m_bodies[link.slotA], &b = m_bodies[link.slotB];
+    return (a.motion.linear * std::min(time, a.stopTime) - b.motion.linear * std::min(time, b.stopTime))
+        .dot(link.separation.axis);
+}
+
+/// When a pair touches; BT_LARGE_FLOAT: not in this step.
+btScalar qcPlanePairs::TouchTime(const Link& link) const
+{
+    btScalar gap = std::max(link.separation.gap - link.margins, btScalar(0));
+    btScalar times[3] = {m_bodies[link.slotA].stopTime, m_bodies[link.slotB].stopTime, m_timeStep};
+    std::sort(times, times + 3);
+    btScalar from = 0, closed = 0;
+    for (btScalar to : times)
+    {
+        to = std::min(to, m_timeStep);
+        btScalar next = ClosingUntil(link, to);
+        if (next > gap && next > closed)
+            return closed >= gap ? from : from + (to - from) * (gap - closed) / (next - closed);
+        from = to;
+        closed = next;
+    }
+    return BT_LARGE_FLOAT;
+}
+
+/// Adds the contact of a pair that touches since others have stopped one of its bodies, and stops the other one. True
+/// if a body has been stopped earlier than before.
+bool qcPlanePairs::FollowLink(Link* link)
+{
+    btScalar time = TouchTime(*link);
+    if (time > m_timeStep)
+        return false;
+    if (!link->hasContact)
+    {
+        Pair& pair = m_results[link->pair].pair;
+        Worker& worker = m_workers[pair.worker];
+        btScalar closing = ClosingUntil(*link, m_timeStep);
+        size_t begin = worker.points.size();
+        link->hasContact = true;
+        if (!worker.contact.Find(link->a, link->b, link->separation, closing + link->rest + link->margins, false,
+                                 &worker.points))
+        {
+            link->separation.gap = BT_LARGE_FLOAT; // they pass each other
+            return false;
+        }
+        pair.begin = begin;
+        pair.end = worker.points.size();
+        for (size_t i = begin; i < pair.end; i++)
+            worker.points[i].endDistance = worker.points[i].distance - link->margins - closing;
+    }
+    Body &a = m_bodies[link->slotA], &b = m_bodies[link->slotB];
+    btScalar stopA = link->isQuasiStatic[1] || b.stopTime <= time ? time : BT_LARGE_FLOAT;
+    btScalar stopB = link->isQuasiStatic[0] || a.stopTime <= time ? time : BT_LARGE_FLOAT;
+    bool changes = stopA < a.stopTime || stopB < b.stopTime;
+    a.stopTime = std::min(a.stopTime, stopA);
+    b.stopTime = std::min(b.stopTime, stopB);
+    return changes;
+}
+
+/// Adds contact of bodies that follow one that is stopped in the step.
+void qcPlanePairs::Follow()
+{
+    bool changes = true;
+    for (int pass = 0; pass < qcMaxStops && changes; pass++)
+    {
+        changes = false;
+        for (Link& link : m_links)
+            changes = FollowLink(&link) || changes;
+    }
+}
+
+const qcPlanePairs::Pair* qcPlanePairs::Find(uint32_t slotA, uint32_t slotB) const
+{
+    auto key = std::minmax({slotA, slotB});
+    auto isBefore = [](const Pair& pair, const std::pair<uint32_t, uint32_t>& slots)
+    { return std::make_pair(pair.low, pair.high) < slots; };
+    auto found = std::lower_bound(m_pairs.begin(), m_pairs.end(), key, isBefore);
+    bool same = found != m_pairs.end() && found->low == key.first && found->high == key.second;
+    return same ? &*found : nullptr;
+}
+
+double qcPlanePairs::AppendPoints(qcBodyId a, qcBodyId b, std::vector<qcMeshPoint>* points) const
+{
+    const Pair* pair = Find(a.slot, b.slot);
+    if (pair == nullptr)
+        return 0;
+    bool isSwapped = (a.slot > b.slot) != pair->isSwapped;
+    for (size_t i = pair->begin; i < pair->end; i++)
+    {
+        points->push_back(m_workers[pair->worker].points[i]);
+        if (isSwapped)
+            points->back().Swap();
+    }
+    return std::max(double(pair->gap), 0.0);
+}
