@@ -8,9 +8,8 @@
 
 namespace
 {
-// Vertices of a run, and of the smallest mesh that has runs: for fewer the boxes take as long as what they save.
-constexpr size_t s_run = 64, s_minVertices = 512;
-static_assert(s_run % qcProducts::s_block == 0, "runs are whole blocks");
+// Vertices of the smallest mesh that has runs: for fewer the boxes take as long as what they save.
+constexpr size_t s_minVertices = 512;
 // Cells along an axis of a mesh's box. Vertices are put in the order of their cells along a Morton curve.
 constexpr uint32_t s_cells = 8;
 // No box reaches this.
@@ -108,7 +107,10 @@ void qcExtremeVertices::MakeRuns(const btVector3* points)
         qcFindBox(&inRuns[first], std::min(s_run, m_count - first), box);
         lower.push_back(box[0]);
         upper.push_back(box[1]);
+        const auto run = m_ids.begin() + std::ptrdiff_t(first);
+        m_firstIds.push_back(*std::min_element(run, run + std::ptrdiff_t(std::min(s_run, m_count - first))));
     }
+    static_assert(s_run % qcProducts::s_block == 0, "runs are whole blocks");
     m_runs = lower.size();
     m_lower.Assign(lower.data(), m_runs);
     m_upper.Assign(upper.data(), m_runs);
@@ -180,7 +182,8 @@ uint32_t qcExtremeVertices::FindMax(const btVector3& direction) const
     const qcProducts vertices = m_inRuns.Along(direction);
     auto visit = [&](size_t first, size_t end)
     {
-        for (size_t i = first; i < end; i += qcLaneCount)
+        // Flat meshes have many vertices at the same height.
+        for (size_t i = m_firstIds[first / s_run] < found ? first : end; i < end; i += qcLaneCount)
             ForEachAbove(vertices.At(i), max, [&](size_t lane) { found = std::min(found, m_ids[i + lane]); });
         return max;
     };
@@ -198,4 +201,20 @@ void qcExtremeVertices::AppendAbove(const btVector3& direction, btScalar level, 
                          if (i + lane < m_count)
                              vertices->push_back(uint32_t(i + lane));
                      });
+}
+
+void qcExtremeVertices::AppendAboveInRuns(const btVector3& direction, btScalar level, const std::vector<size_t>& runs,
+                                          std::vector<uint32_t>* vertices) const
+{
+    const size_t begin = vertices->size();
+    const qcProducts products = m_inRuns.Along(direction);
+    for (size_t run : runs)
+        for (size_t i = run * s_run; i < std::min((run + 1) * s_run, m_count); i += qcLaneCount)
+            ForEachAbove(products.At(i), level,
+                         [&](size_t lane)
+                         {
+                             if (i + lane < m_count)
+                                 vertices->push_back(m_ids[i + lane]);
+                         });
+    std::sort(vertices->begin() + std::ptrdiff_t(begin), vertices->end());
 }

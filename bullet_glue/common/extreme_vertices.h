@@ -57,8 +57,25 @@ class qcExtremeVertices
     uint32_t FindMax(const btVector3& direction) const;
     /// Appends the vertices whose product with the direction is at least `level`, in order. O(vertices).
     void AppendAbove(const btVector3& direction, btScalar level, std::vector<uint32_t>* vertices) const;
+    /// Likewise, of some runs only. O(their vertices * log).
+    void AppendAboveInRuns(const btVector3& direction, btScalar level, const std::vector<size_t>& runs,
+                           std::vector<uint32_t>* vertices) const;
+
+    /// Runs are vertices near each other. 0: the mesh is too small to have any.
+    size_t RunCount() const
+    {
+        return m_runs;
+    }
+    /// Calls function(vertex) for the vertices of a run.
+    template <typename Function> void ForEachInRun(size_t run, Function function) const
+    {
+        for (size_t i = run * s_run; i < std::min((run + 1) * s_run, m_count); i++)
+            function(m_ids[i]);
+    }
 
   private:
+    static constexpr size_t s_run = 64; ///< vertices of a run
+
     /// Coordinates of points.
     struct Points
     {
@@ -75,9 +92,10 @@ class qcExtremeVertices
 
     size_t m_count, m_runs = 0; ///< runs: 0 for a small mesh
     Points m_vertices;
-    Points m_inRuns;             ///< those near each other in one run
-    std::vector<uint32_t> m_ids; ///< of these, padded likewise
-    Points m_lower, m_upper;     ///< corners of the runs' boxes
+    Points m_inRuns;                  ///< those near each other in one run
+    std::vector<uint32_t> m_ids;      ///< of these, padded likewise
+    std::vector<uint32_t> m_firstIds; ///< by run: the least of its vertices
+    Points m_lower, m_upper;          ///< corners of the runs' boxes
 };
 
 #endif

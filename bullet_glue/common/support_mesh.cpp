@@ -101,6 +101,31 @@ qcSupportMesh::qcSupportMesh(const btCollisionShape* shape)
         m_triangles.pointCount, m_triangles.count, 3,
         [this](uint32_t t, int c) { return m_triangles.indices[3 * t + uint32_t(c)]; }, &m_trianglesOf);
     FindFaces();
+    FindBoxesOfRuns();
+}
+
+void qcSupportMesh::FindBoxesOfRuns()
+{
+    const btVector3* points = m_triangles.points;
+    for (size_t run = 0; run < m_vertices.RunCount(); run++)
+    {
+        const btVector3 far(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
+        Box box{far, -far};
+        auto include = [&](uint32_t vertex)
+        {
+            box.lower.setMin(points[vertex]);
+            box.upper.setMax(points[vertex]);
+        };
+        auto includeTriangles = [&](uint32_t vertex)
+        {
+            include(vertex);
+            for (const uint32_t* t = m_trianglesOf.begin(vertex); t != m_trianglesOf.end(vertex); t++)
+                std::for_each(m_triangles.indices + 3 * size_t(*t), m_triangles.indices + 3 * (size_t(*t) + 1),
+                              include);
+        };
+        m_vertices.ForEachInRun(run, includeTriangles);
+        m_boxesOfRuns.push_back(box);
+    }
 }
 
 bool qcSupportMesh::IsConvex() const

@@ -73,6 +73,16 @@ class qcSupportMesh
         return FoundEdges().edgesOf;
     }
 
+    struct Box
+    {
+        btVector3 lower, upper;
+    };
+    /// By run of the vertices: the box around their triangles.
+    const std::vector<Box>& BoxesOfRuns() const
+    {
+        return m_boxesOfRuns;
+    }
+
     struct Face
     {
         btVector3 normal; ///< of length 1
@@ -105,6 +115,7 @@ class qcSupportMesh
     };
 
     void FindFaces();
+    void FindBoxesOfRuns();
     bool FindIsConvex() const;
     EdgeLists FindEdges() const;
     /// Found by the first call: meshes that touch along common faces, or nothing at all, need none.
@@ -120,6 +131,7 @@ class qcSupportMesh
     std::vector<btVector3> m_normals;
     std::vector<Face> m_faces, m_facesByMax;
     Lists m_trianglesOf;
+    std::vector<Box> m_boxesOfRuns;
     mutable std::mutex m_edgesMutex;
     mutable std::unique_ptr<const EdgeLists> m_edges;
     mutable std::atomic<const EdgeLists*> m_foundEdges{nullptr};

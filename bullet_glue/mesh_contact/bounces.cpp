@@ -4,6 +4,7 @@
 #include <BulletDynamics/Dynamics/btDynamicsWorld.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace
@@ -13,6 +14,8 @@ constexpr int s_sweeps = 10;
 // Bodies that have come nearer to each other up to this part of the way touch. Corners of a box that lands flat differ
 // by rounding: the solver stops some of them, and the others would turn it.
 constexpr btScalar s_touching = btScalar(0.01);
+// Arms that have changed by more than this part of the shorter one turn the bodies in another way than the solver did.
+constexpr btScalar s_slid = btScalar(0.1);
 
 /// One of the two bodies at a point.
 struct Side
@@ -50,6 +53,8 @@ struct Bounce
     btScalar speed;       ///< at which the two part
     btScalar stopping;    ///< impulse that stops the two, in part the solver's
     btScalar parting = 0; ///< impulse that parts them
+    btScalar left = 0;    ///< speed of approach that the solver has left, at its arms
+    bool hasSlid = false; ///< the arms are no longer about those of the solver
 
     btScalar PartingSpeed() const
     {
@@ -60,6 +65,7 @@ struct Bounce
         : a(manifold.getBody0(), mark.armA), b(manifold.getBody1(), mark.armB), normal(point.m_normalWorldOnB),
           restitution(mark.restitution), speed(mark.restitution * mark.approach), stopping(point.m_appliedImpulse)
     {
+        left = -PartingSpeed();
         Meet();
     }
 
@@ -72,9 +78,17 @@ struct Bounce
         const btScalar shareB = b.body != nullptr ? b.body->getInvMass() : btScalar(0);
         if (!(shareA > 0) || !(shareB > 0))
             return;
-        btVector3 slide = b.body->getCenterOfMassPosition() + b.arm - a.body->getCenterOfMassPosition() - a.arm;
+        const btVector3 slide = b.body->getCenterOfMassPosition() + b.arm - a.body->getCenterOfMassPosition() - a.arm;
+        hasSlid = slide.length2() > s_slid * s_slid * std::min(a.arm.length2(), b.arm.length2());
         a.arm += slide * (shareB / (shareA + shareB));
         b.arm -= slide * (shareA / (shareA + shareB));
+    }
+
+    /// The two part with no more than the energy that the solver has taken by its impulse at its arms.
+    void LimitSpeed(btScalar approach)
+    {
+        const btScalar now = PartingSpeed(), squared = now * now + stopping * (approach + left) * InverseMass();
+        speed = std::min(speed, restitution * btSqrt(std::max(squared, btScalar(0))));
     }
 
     btScalar InverseMass() const
@@ -151,8 +165,11 @@ void AddBounce(const btPersistentManifold& manifold, const btManifoldPoint& poin
     // Impulses are written for warm starting only.
     if ((info.m_solverMode & SOLVER_USE_WARMSTARTING) == 0)
         bounce.stopping = bounce.FindStopping(mark.approach);
-    if (bounce.stopping > 0 || bounce.Touches(mark.distance, info.m_timeStep))
-        bounces->push_back(bounce);
+    if (!(bounce.stopping > 0) && !bounce.Touches(mark.distance, info.m_timeStep))
+        return;
+    if (bounce.stopping > 0 && bounce.hasSlid)
+        bounce.LimitSpeed(mark.approach);
+    bounces->push_back(bounce);
 }
 } // namespace
 
@@ -160,7 +177,7 @@ void qcBounces::Mark(btPersistentManifold* manifold)
 {
     Marks marks{manifold->getBody0(), manifold->getBody1(), {}};
     bool anyBounces = false;
-    for (int i = 0; i < manifold->getNumContacts() && MayBounce(*manifold); i++)
+    for (int i = 0; i < manifold->getNumContacts() && m_isEnabled && MayBounce(*manifold); i++)
     {
         btManifoldPoint& point = manifold->getContactPoint(i);
         if (!(point.m_combinedRestitution > 0))

@@ -25,6 +25,11 @@ struct qcBounceMark
 class qcBounces
 {
   public:
+    /// Apply will be called in each step. Without this call Mark does nothing: restitution is left to the solver.
+    void Enable()
+    {
+        m_isEnabled = true;
+    }
     /// Before the solver: keeps what bounces, and sets the restitution of its points to 0. Bodies of the manifold
     /// respond to each other. It may run on several threads at once.
     void Mark(btPersistentManifold* manifold);
@@ -41,6 +46,7 @@ class qcBounces
 
     std::unordered_map<const btPersistentManifold*, Marks> m_marks;
     std::mutex m_mutex;
+    bool m_isEnabled = false;
 };
 
 #endif

@@ -14,6 +14,7 @@
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletDynamics/Dynamics/btActionInterface.h>
 #include <BulletDynamics/Dynamics/btDynamicsWorld.h>
+#include <BulletDynamics/Dynamics/btSimpleDynamicsWorld.h>
 
 namespace
 {
@@ -158,6 +159,9 @@ qcStatus qcMeshContact::addTo(btCollisionWorld* world)
     if (auto* dynamics = dynamic_cast<btDynamicsWorld*>(world))
     {
         dynamics->addAction(&my.limitAction);
+        // It takes no actions.
+        if (dynamic_cast<btSimpleDynamicsWorld*>(world) == nullptr)
+            my.batch.bounces.Enable();
         qcAddRigidLimits(my.dispatcher, &my.batch);
         for (int type = 0; type < CONCAVE_SHAPES_START_HERE; type++)
         {

@@ -215,7 +215,8 @@ struct qcMeshContactStatistics
 /// the other one within the step, so that round meshes roll on as they do in small steps.
 ///
 /// Restitution: bodies bounce at the end of the step in which they reach each other. Until then
-/// btManifoldPoint::m_combinedRestitution of these points is 0.
+/// btManifoldPoint::m_combinedRestitution of these points is 0. In worlds that run no actions (btSimpleDynamicsWorld,
+/// btCollisionWorld) there are no limits, and restitution is left to the solver.
 ///
 /// Fast bodies: rigid bodies that pass each other by more than the threshold and 5 % of the smaller one are sampled at
 /// up to sixteen times in the step, along their initial velocities, and stop where they touch, together with bodies

@@ -13,7 +13,9 @@ enum
 {
     qc_seeds = 4,
     // A patch with fewer triangles of each of its nodes excludes too few pairs to be worth its test.
-    qc_minShare = qc_nodeSize / 2
+    qc_minShare = qc_nodeSize / 2,
+    // Notches don't shorten a loop so much that a longer one could be kept: it runs around a fan of many triangles.
+    qc_maxGrowingLoop = 8 * qc_maxLoop
 };
 
 #define QC_INSIDE UINT32_MAX
@@ -41,6 +43,7 @@ typedef struct qcPatchBuilder
     //  the patch that grows, its number from 1 on
     uint32_t patch, firstNode, endNode;
     uint32_t start;               ///< a vertex of the loop
+    uint32_t loopCount;           ///< vertices of the loop
     uint32_t beginNode, stopNode; ///< whose patches are made in this part
 } Builder;
 
@@ -77,6 +80,7 @@ static void Begin(Builder* b, uint32_t seed)
         VertexAt(b, v[c])->next = v[(c + 1) % 3];
     }
     b->start = v[0];
+    b->loopCount = 3;
 }
 
 /// Adds a triangle to the patch and updates the loop. False: the result would not be a disc with one loop, or the
@@ -98,6 +102,7 @@ static bool Join(Builder* b, uint32_t slot, bool notchesOnly)
             return false;
         *VertexAt(b, apex) = (PatchVertex){b->patch, to, VertexAt(b, apex)->block};
         VertexAt(b, from)->next = apex;
+        b->loopCount++;
         return true;
     }
     if (count == 2)
@@ -109,6 +114,7 @@ static bool Join(Builder* b, uint32_t slot, bool notchesOnly)
         VertexAt(b, from)->next = to;
         VertexAt(b, notch)->next = QC_INSIDE;
         b->start = from;
+        b->loopCount--;
         return true;
     }
     return false;
@@ -158,7 +164,7 @@ typedef enum Phase
     phase_end
 } Phase;
 
-/// Grows from a seed, breadth first, so that the patch stays round.
+/// Grows from a seed, breadth first, so that the patch stays round. A patch whose loop gets too long is not completed.
 static qcStatus Grow(Builder* b, uint32_t seed, qcFlatPatch* patch)
 {
     patch->firstSlot = (uint32_t)b->slots.count;
@@ -168,7 +174,7 @@ static qcStatus Grow(Builder* b, uint32_t seed, qcFlatPatch* patch)
     for (Phase phase = phase_block; phase < phase_end; phase++)
     {
         size_t refused = 0;
-        for (size_t at = 0; at < b->queue.count; at++)
+        for (size_t at = 0; at < b->queue.count && b->loopCount <= qc_maxGrowingLoop; at++)
         {
             uint32_t slot = QC_AT(uint32_t, b->queue, at);
             if (IsInPatch(b, slot))
@@ -203,22 +209,11 @@ static uint32_t FillMasks(Builder* b, const qcFlatPatch* patch)
     return ownCount;
 }
 
-static uint32_t CountLoop(const Builder* b)
-{
-    uint32_t count = 0, v = b->start;
-    do
-    {
-        v = VertexAt(b, v)->next;
-        count++;
-    } while (v != b->start);
-    return count;
-}
-
 static qcStatus KeepLoop(Builder* b, qcFlatPatch* patch)
 {
     qcArray* loops = &b->loops;
     patch->firstLoop = (uint32_t)loops->count;
-    patch->loopCount = CountLoop(b);
+    patch->loopCount = b->loopCount;
     QC_TRY(qcArray_Reserve(loops, loops->count + patch->loopCount, sizeof(uint32_t), "flat patches"));
     uint32_t v = b->start;
     for (uint32_t i = 0; i < patch->loopCount; i++, v = VertexAt(b, v)->next)
@@ -252,19 +247,21 @@ static void FillLinks(const Builder* b, const qcFlatPatch* patch)
     }
 }
 
-/// Marks the vertices of the block, and clears the masks of all nodes that share one.
+/// Marks the vertices of the block, and clears the masks that FillLinks reads.
 static void MarkBlock(Builder* b)
 {
+    const uint32_t* firstLink = b->source.clusters->firstLink.data;
+    const qcLeafLink* links = b->source.clusters->links.data;
     uint64_t* masks = b->masks.data;
     for (size_t p = (size_t)b->firstNode * qc_nodeSize; p < (size_t)b->endNode * qc_nodeSize; p++)
         for (int c = 0; c < 3 && HasTriangle(b, p); c++)
-        {
-            uint32_t v = b->source.corners[p].vertex[c];
-            VertexAt(b, v)->block = b->patch;
-            const uint32_t* first = &QC_AT(uint32_t, b->source.adjacency->around.first, v);
-            for (uint32_t i = first[0]; i < first[1]; i++)
-                masks[QC_AT(uint32_t, b->source.adjacency->around.triangles, i) / qc_nodeSize] = 0;
-        }
+            VertexAt(b, b->source.corners[p].vertex[c])->block = b->patch;
+    for (uint32_t node = b->firstNode; node < b->endNode; node++)
+    {
+        masks[node] = 0;
+        for (uint32_t l = firstLink[node]; l < firstLink[node + 1]; l++)
+            masks[links[l].other] = 0;
+    }
 }
 
 static qcStatus GrowAround(Builder* b, uint32_t patch, uint32_t firstNode, uint32_t nodeCount)
@@ -283,7 +280,7 @@ static qcStatus GrowAround(Builder* b, uint32_t patch, uint32_t firstNode, uint3
         MarkBlock(b);
         QC_TRY(Grow(b, seed, made));
         best = FillMasks(b, made);
-        if (best < nodeCount * qc_minShare || CountLoop(b) > qc_maxLoop)
+        if (best < nodeCount * qc_minShare || b->loopCount > qc_maxLoop)
         {
             b->slots.count = made->firstSlot;
             *made = (qcFlatPatch){0};

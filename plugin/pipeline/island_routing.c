@@ -13,7 +13,8 @@ enum
 };
 
 /// Marks islands for the device. `start`: when the stage began.
-static void MarkIslands(const qcStep* step, double start, qcIslandRouting* routing, qcProfile* profile)
+static void MarkIslands(const qcStep* step, const qcStepTriangles* triangles, double start, qcIslandRouting* routing,
+                        qcProfile* profile)
 {
     qcPlanItem* islands = routing->islands.items.data;
     size_t count = routing->islands.items.count;
@@ -24,6 +25,7 @@ static void MarkIslands(const qcStep* step, double start, qcIslandRouting* routi
     else if (qcPlan_IsWorthADevice(islands, count))
     {
         qcPlanCosts costs = step->measureCosts(step->device, step->threads);
+        qcIslands_FindFinest(&routing->islands, triangles);
         qcPlan_ChooseIslands(&costs, &routing->history, islands, count, &routing->plannedTriangles);
         // A calibration is no part of the methods' costs.
         profile->planMs += qcClock_Now() - start;
@@ -46,7 +48,7 @@ qcStatus qcIslandRouting_ChooseDevice(const qcStep* step, const qcStepTriangles*
         QC_TRY(qcIslands_Find(triangles, pairs, &routing->islands));
     if (!step->plan.useLayers && !step->plan.chooseIslands)
         return qc_statusOk;
-    MarkIslands(step, start, routing, profile);
+    MarkIslands(step, triangles, start, routing, profile);
     for (uint32_t body = 0; body < bodyCount; body++)
     {
         uint32_t island = QC_AT(uint32_t, routing->islands.islandOf, body);

@@ -76,13 +76,12 @@ void qcPlan_ChooseIslands(const qcPlanCosts* costs, qcPlanHistory* history, qcPl
             lower[axis] = fmin(lower[axis], islands[i].lower[axis]);
             upper[axis] = fmax(upper[axis], islands[i].upper[axis]);
         }
-    // All islands on the device share one grid: an island that is too small in it stays on the CPU.
+    // All islands on the device share one grid: an island whose triangles are too small in it stays on the CPU.
     double widest = Widest(lower, upper);
     *triangles = 0.0;
     for (size_t i = 0; i < count; i++)
     {
-        double across = s_levels * Widest(islands[i].lower, islands[i].upper) / widest;
-        islands[i].onDevice = across >= s_levelsPerTriangle * sqrt(islands[i].triangles);
+        islands[i].onDevice = s_levels * islands[i].finest / widest >= s_levelsPerTriangle;
         *triangles += islands[i].onDevice ? islands[i].triangles : 0.0;
     }
     // All other islands go to the device in one transfer, or none does.

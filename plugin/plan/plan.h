@@ -34,6 +34,7 @@ typedef struct qcPlanItem
 {
     uint32_t triangles;
     double lower[3], upper[3]; ///< their AABB
+    double finest;             ///< about the length of the triangles of its finest body
     bool onDevice;             ///< the result of qcPlan_ChooseIslands
 } qcPlanItem;
 

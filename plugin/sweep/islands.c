@@ -1,10 +1,19 @@
 // Connected components of the graph of body pairs.
 #include "sweep/islands.h"
 
+#include "base/aabb.h"
 #include "base/status.h"
 #include "base/union_find.h"
 
 #include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+enum
+{
+    // Triangles of a body that are looked at. A few stray vertices do not change the median.
+    qc_sampledTriangles = 9
+};
 
 static void Include(qcPlanItem* island, const qcBody* body)
 {
@@ -57,6 +66,42 @@ qcStatus qcIslands_Find(const qcStepTriangles* triangles, const qcBodyPairs* pai
         Include(&QC_AT(qcPlanItem, islands->items, islandOf[body]), b);
     }
     return qc_statusOk;
+}
+
+static int CompareLengths(const void* a, const void* b)
+{
+    double x = *(const double*)a, y = *(const double*)b;
+    return (x > y) - (x < y);
+}
+
+/// About the length of a body's triangles: the median of some, or by the body's box where its positions are on a device
+/// only.
+static double TriangleLength(const qcBody* body)
+{
+    double lengths[qc_sampledTriangles];
+    if (body->snapshot != NULL || body->triangleCount < qc_sampledTriangles)
+        return qcBounds_Widest(body->lower, body->upper) / sqrt(body->triangleCount);
+    for (uint32_t i = 0; i < qc_sampledTriangles; i++)
+    {
+        double corners[3][3], lower[3], upper[3];
+        qcBody_GetTriangle(body, (uint32_t)((uint64_t)i * body->triangleCount / qc_sampledTriangles), corners);
+        qcBounds_OfTriangle(corners, lower, upper);
+        lengths[i] = qcBounds_Widest(lower, upper);
+    }
+    qsort(lengths, qc_sampledTriangles, sizeof lengths[0], CompareLengths);
+    return lengths[qc_sampledTriangles / 2];
+}
+
+void qcIslands_FindFinest(qcIslands* islands, const qcStepTriangles* triangles)
+{
+    const uint32_t* islandOf = islands->islandOf.data;
+    qcPlanItem* items = islands->items.data;
+    for (size_t i = 0; i < islands->items.count; i++)
+        items[i].finest = DBL_MAX;
+    for (uint32_t body = 0; body < triangles->bodyCount; body++)
+        if (islandOf[body] != QC_NO_ISLAND)
+            items[islandOf[body]].finest =
+                fmin(items[islandOf[body]].finest, TriangleLength(qcStepTriangles_Body(triangles, body)));
 }
 
 void qcIslands_KeepWhole(qcIslands* islands, uint8_t* flags)

@@ -18,10 +18,13 @@ typedef struct qcIslands
 
 /// O(bodies + pairs), almost.
 qcStatus qcIslands_Find(const qcStepTriangles* triangles, const qcBodyPairs* pairs, qcIslands* islands);
+/// Estimates qcPlanItem::finest of all islands, by a few triangles of each body. Its input is the last qcIslands_Find.
+/// O(bodies).
+void qcIslands_FindFinest(qcIslands* islands, const qcStepTriangles* triangles);
 /// Clears the flags (by body) of islands in which not all bodies are flagged, and of bodies without an island. Its
 /// input is the last qcIslands_Find.
 void qcIslands_KeepWhole(qcIslands* islands, uint8_t* flags);
-/// Clears the flags (by body) of islands in which no body has more than `most` triangles. Its input is the last
+/// Clears the flags (by body) of islands in which no body has more than `maxSize` triangles. Its input is the last
 /// qcIslands_Find. O(bodies).
 void qcIslands_LeaveSmall(qcIslands* islands, const qcStepTriangles* triangles, uint32_t maxSize, uint8_t* flags);
 void qcIslands_Free(qcIslands* islands);

@@ -11,8 +11,11 @@ static const qcPlanCosts s_deviceFails = {0.0, INFINITY, INFINITY};
 /// An island within [at, at + size] along each axis.
 static qcPlanItem Island(uint32_t triangles, double at, double size)
 {
-    return (qcPlanItem){
-        .triangles = triangles, .lower = {at, at, at}, .upper = {at + size, at + size, at + size}, .onDevice = false};
+    return (qcPlanItem){.triangles = triangles,
+                        .lower = {at, at, at},
+                        .upper = {at + size, at + size, at + size},
+                        .finest = size / sqrt(triangles),
+                        .onDevice = false};
 }
 
 /// The choice for the first query of a scene.
@@ -117,6 +120,16 @@ START_TEST(an_island_too_small_for_the_common_grid_stays_with_the_sweep)
     Choose(&s_deviceIsQuick, islands, 2);
     ck_assert(islands[0].onDevice);
     ck_assert(!islands[1].onDevice);
+}
+END_TEST
+
+START_TEST(a_fine_body_on_a_wide_ground_stays_with_the_sweep)
+{
+    // The triangles of a cloth of 1 m on a ground of 20 km.
+    qcPlanItem island = Island(10000, 0.0, 20000.0);
+    island.finest = 0.01;
+    Choose(&s_deviceIsQuick, &island, 1);
+    ck_assert(!island.onDevice);
 }
 END_TEST
 
@@ -284,4 +297,5 @@ QC_RUN_TESTS("plan", a_method_that_is_slower_than_calibrated_costs_no_more_than_
              auto_chooses_by_island_with_compute_shaders, layers_without_compute_shaders_fall_back_to_the_sweep,
              few_triangles_stay_off_the_device, islands_go_to_the_device_when_that_saves_more_than_the_transfer,
              no_island_goes_to_a_device_that_is_slower_or_fails,
-             an_island_too_small_for_the_common_grid_stays_with_the_sweep, islands_without_extent_stay_with_the_sweep)
+             an_island_too_small_for_the_common_grid_stays_with_the_sweep,
+             a_fine_body_on_a_wide_ground_stays_with_the_sweep, islands_without_extent_stay_with_the_sweep)

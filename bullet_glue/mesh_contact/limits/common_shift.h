@@ -4,16 +4,57 @@
 
 #include "mesh_contact/limits/swept_object.h"
 
+/// Where the rigid bodies are that Bullet moves, also those that limits have no need to look at.
+class qcBodyOrigins
+{
+  public:
+    /// The step starts here. Without this call starts follow from velocities. O(objects).
+    void MarkStarts(const btCollisionWorld& world);
+    /// A step ends here. O(objects).
+    void RecordEnds(const btCollisionWorld& world);
+    /// Calls function(from, to) for the bodies that are where they were in the world's list: with their origins at the
+    /// end of the previous step, and at the start of the one that ends now. It ends at false, and returns it.
+    template <typename Function> bool ForEach(const btCollisionWorld& world, btScalar timeStep, Function function) const
+    {
+        for (const Origin& origin : m_origins)
+            if (IsThere(world, origin) && !function(origin.end, StartOf(origin, timeStep)))
+                return false;
+        return true;
+    }
+
+  private:
+    struct Origin
+    {
+        const btRigidBody* body;
+        int index; ///< in the world
+        btVector3 end, start;
+    };
+
+    static bool IsThere(const btCollisionWorld& world, const Origin& origin)
+    {
+        const btCollisionObjectArray& objects = world.getCollisionObjectArray();
+        return origin.index < objects.size() && objects[origin.index] == origin.body;
+    }
+    btVector3 StartOf(const Origin& origin, btScalar timeStep) const;
+
+    std::vector<Origin> m_origins;
+    bool m_isMarked = false;
+};
+
 /// A new origin of the world moves all objects by one translation, and none against another.
 struct qcCommonShift
 {
     btVector3 by{0, 0, 0}; ///< zero: there is none
     btScalar error = 0;    ///< of a displacement, by rounding
 
-    /// The translation of all dynamic objects since the previous step.
-    static qcCommonShift Find(const std::vector<qcSweptObject*>& objects);
+    /// The translation of all bodies that Bullet moves since the previous step: of these objects, and of the others.
+    static qcCommonShift Find(const std::vector<qcSweptObject*>& objects, const qcBodyOrigins& others,
+                              const btCollisionWorld& world, btScalar timeStep);
     /// True if an object that was at `from` has moved by the translation alone.
     bool IsOf(const btTransform& from, const btTransform& to) const;
+
+  private:
+    bool Add(const btVector3& from, const btVector3& to, btScalar rounding);
 };
 
 #endif

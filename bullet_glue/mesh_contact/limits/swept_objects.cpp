@@ -5,7 +5,6 @@
 #include "common/compound_children.h"
 #include "common/object_motion.h"
 #include "common/rigid_motion.h"
-#include "mesh_contact/limits/common_shift.h"
 #include "mesh_contact/limits/swept_pairs.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
@@ -107,8 +106,12 @@ void qcSweptObjects::FindStart(btScalar timeStep, qcSweptObject* swept)
         swept->cores != nullptr
             ? expected.getOrigin().distance(swept->target.getOrigin()) <= gContactBreakingThreshold + radius / 2
             : qcDisplacementBound(expected, swept->target, radius) <= gContactBreakingThreshold;
-    if (!isExplained)
+    if (isExplained)
+        return;
+    if (swept->body->isActive())
         btTransformUtil::integrateTransform(swept->target, linear, angular, -timeStep, swept->start);
+    else
+        swept->start = swept->target;
 }
 
 /// The entry of an object, which is added if it is new: it has not moved yet.
@@ -135,6 +138,7 @@ void qcSweptObjects::MarkStarts()
 {
     m_isMarked = true;
     m_continuousStarts.clear();
+    m_origins.MarkStarts(*m_settings.world);
     btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
     for (int i = 0; i < objects.size(); i++)
     {
@@ -451,7 +455,7 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
         if (!isMarked && swept->body != nullptr && (swept->isNew || !qcAreSame(swept->start, swept->target)))
             FindStart(timeStep, swept);
     }
-    const qcCommonShift shift = qcCommonShift::Find(m_sorted);
+    const qcCommonShift shift = qcCommonShift::Find(m_sorted, m_origins, *m_settings.world, timeStep);
     if (!shift.by.isZero())
         StartWherePut();
     bool anyMoved = false;
@@ -520,6 +524,7 @@ void qcSweptObjects::RecordEnds()
         swept->wasFinite = true;
         swept->isNew = false;
     }
+    m_origins.RecordEnds(*m_settings.world);
     LetRest();
 }
 

@@ -4,6 +4,7 @@
 #define QC_GLUE_MESH_CONTACT_LIMITS_SWEPT_OBJECTS_H
 
 #include "common/rigid_limits.h"
+#include "mesh_contact/limits/common_shift.h"
 #include "mesh_contact/limits/contact_depths.h"
 #include "mesh_contact/limits/moving_meshes.h"
 #include "mesh_contact/limits/resting_meshes.h"
@@ -90,6 +91,7 @@ class qcSweptObjects
     qcAxisCache& m_axes;
     qcConvexCores m_cores{qcCoreSize}, m_innerCores{qcInnerCoreSize};
     qcContactDepths m_depths;
+    qcBodyOrigins m_origins;
     btScalar m_timeStep = 0;
     qcMovingMeshes m_movingMeshes; ///< those whose contact is computed here
     const btCollisionObject* m_notFinite = nullptr;

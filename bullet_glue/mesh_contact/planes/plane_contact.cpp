@@ -7,6 +7,9 @@ namespace
 {
 // Triangles and edges that rise more steeply than this cosine from the plane are seen as lines and points.
 constexpr btScalar s_steepFace = btScalar(0.3), s_steepEdge = btScalar(0.7);
+// Of meshes with more vertices only what lies where the other one is takes part: to find that costs as much as some
+// vertices.
+constexpr uint32_t s_maxWhole = 64;
 
 /// Which triangles are over a place along the plane, and at what heights.
 struct Heights
@@ -53,18 +56,57 @@ struct Crossings
 };
 
 /// A triangle with all of these vertices; the count of triangles if there is none.
-uint32_t FindTriangle(const qcMeshTriangles& triangles, const uint32_t* corners, int count)
+uint32_t FindTriangle(const qcSupportMesh& mesh, const uint32_t* corners, int count)
 {
-    for (uint32_t t = 0; t < triangles.count; t++)
+    const qcMeshTriangles& triangles = mesh.Triangles();
+    for (const uint32_t* t = mesh.TrianglesOf().begin(corners[0]); t != mesh.TrianglesOf().end(corners[0]); t++)
     {
-        const uint32_t* index = triangles.indices + 3 * size_t(t);
+        const uint32_t* index = triangles.indices + 3 * size_t(*t);
         if (std::all_of(corners, corners + count,
                         [index](uint32_t corner) { return std::find(index, index + 3, corner) != index + 3; }))
-            return t;
+            return *t;
     }
     return triangles.count;
 }
 } // namespace
+
+template <size_t count> bool qcPlaneContact::Extent::Overlaps(const qcFlat (&corners)[count]) const
+{
+    auto [lowU, highU] =
+        std::minmax_element(corners, corners + count, [](const qcFlat& x, const qcFlat& y) { return x.u < y.u; });
+    auto [lowV, highV] =
+        std::minmax_element(corners, corners + count, [](const qcFlat& x, const qcFlat& y) { return x.v < y.v; });
+    return Overlaps(lowU->u, highU->u, lowV->v, highV->v);
+}
+
+qcPlaneContact::Extent qcPlaneContact::ExtentOf(const qcPlacedSupport& placed) const
+{
+    Extent extent;
+    const btVector3 from = placed.transform.getOrigin() - m_origin;
+    for (int axis = 0; axis < 2; axis++)
+    {
+        const btVector3& direction = axis == 0 ? m_u : m_v;
+        extent.lower[axis] = from.dot(direction) - placed.mesh->Max(placed.ToLocal(-direction)) - m_slack;
+        extent.upper[axis] = from.dot(direction) + placed.mesh->Max(placed.ToLocal(direction)) + m_slack;
+    }
+    return extent;
+}
+
+/// Finds the runs of vertices with triangles that may lie where the other mesh is.
+void qcPlaneContact::FindRuns(const qcSupportMesh& mesh, const View& view, Side* side)
+{
+    side->runs.clear();
+    const btVector3 u = view.u.absolute(), v = view.v.absolute();
+    const std::vector<qcSupportMesh::Box>& boxes = mesh.BoxesOfRuns();
+    for (size_t run = 0; run < boxes.size(); run++)
+    {
+        const btVector3 half = (boxes[run].upper - boxes[run].lower) / 2;
+        const qcFlat centre = view((boxes[run].lower + boxes[run].upper) / 2);
+        const btScalar halfU = u.dot(half), halfV = v.dot(half);
+        if (side->other.Overlaps(centre.u - halfU, centre.u + halfU, centre.v - halfV, centre.v + halfV))
+            side->runs.push_back(run);
+    }
+}
 
 /// Reads the triangles of a vertex, but steep ones; each at its first vertex next to the plane.
 void qcPlaneContact::ReadTriangles(const qcSupportMesh& mesh, const View& view, uint32_t vertex, Side* side)
@@ -77,9 +119,11 @@ void qcPlaneContact::ReadTriangles(const qcSupportMesh& mesh, const View& view, 
         const uint32_t* index = all.indices + 3 * size_t(*t);
         bool isFirst = std::none_of(index, index + 3,
                                     [&](uint32_t corner) { return corner < vertex && side->isNear[corner] != 0; });
-        if (isFirst)
-            side->triangles.Add({view(all.points[index[0]]), view(all.points[index[1]]), view(all.points[index[2]])},
-                                *t);
+        if (!isFirst)
+            continue;
+        const qcFlat corners[] = {view(all.points[index[0]]), view(all.points[index[1]]), view(all.points[index[2]])};
+        if (side->other.Overlaps(corners))
+            side->triangles.Add(corners, *t);
     }
 }
 
@@ -95,15 +139,22 @@ void qcPlaneContact::ReadEdges(const qcSupportMesh& mesh, const View& view, uint
             continue;
         btVector3 along = points[edge.to] - points[edge.from];
         btScalar rise = along.dot(view.height);
-        if (rise * rise <= s_steepEdge * s_steepEdge * along.length2())
-            side->edges.Add({view(points[edge.from]), view(points[edge.to])}, edge.triangle);
+        if (!(rise * rise <= s_steepEdge * s_steepEdge * along.length2()))
+            continue;
+        const qcFlat ends[] = {view(points[edge.from]), view(points[edge.to])};
+        if (side->other.Overlaps(ends))
+            side->edges.Add(ends, edge.triangle);
     }
 }
 
-/// Reads what of a mesh is at most `thickness` from its outermost vertex.
-void qcPlaneContact::Read(const qcPlacedSupport& placed, const btVector3& outward, btScalar thickness, Side* side) const
+/// Reads what of a mesh is at most `thickness` from its outermost vertex, and lies where the other mesh is.
+void qcPlaneContact::Read(const qcPlacedSupport& placed, const qcPlacedSupport& other, const btVector3& outward,
+                          btScalar thickness, Side* side) const
 {
     const qcSupportMesh& mesh = *placed.mesh;
+    const bool isLarge = mesh.Triangles().pointCount > s_maxWhole;
+    constexpr btScalar all = BT_LARGE_FLOAT;
+    side->other = isLarge ? ExtentOf(other) : Extent{{-all, -all}, {all, all}};
     btVector3 from = placed.transform.getOrigin() - m_origin;
     View view{placed.ToLocal(m_u), placed.ToLocal(m_v), placed.ToLocal(m_axis),
               btVector3(from.dot(m_u), from.dot(m_v), from.dot(m_axis))};
@@ -112,15 +163,21 @@ void qcPlaneContact::Read(const qcPlacedSupport& placed, const btVector3& outwar
     side->edges.Clear();
     side->near.clear();
     btVector3 local = placed.ToLocal(outward);
-    mesh.Vertices().AppendAbove(local, mesh.Max(local) - thickness, &side->near);
+    const btScalar level = mesh.Max(local) - thickness;
+    FindRuns(mesh, view, side);
+    if (mesh.Vertices().RunCount() > 0)
+        mesh.Vertices().AppendAboveInRuns(local, level, side->runs, &side->near);
+    else
+        mesh.Vertices().AppendAbove(local, level, &side->near);
     if (side->isNear.size() < mesh.Triangles().pointCount)
         side->isNear.resize(mesh.Triangles().pointCount);
     for (uint32_t vertex : side->near)
         side->isNear[vertex] = 1;
     for (uint32_t vertex : side->near)
     {
-        if (mesh.TrianglesOf().begin(vertex) != mesh.TrianglesOf().end(vertex))
-            side->vertices.push_back({view(mesh.Triangles().points[vertex]), *mesh.TrianglesOf().begin(vertex)});
+        const qcFlat place[] = {view(mesh.Triangles().points[vertex])};
+        if (side->other.Overlaps(place) && mesh.TrianglesOf().begin(vertex) != mesh.TrianglesOf().end(vertex))
+            side->vertices.push_back({place[0], *mesh.TrianglesOf().begin(vertex)});
         ReadTriangles(mesh, view, vertex, side);
         ReadEdges(mesh, view, vertex, side);
     }
@@ -210,8 +267,8 @@ bool qcPlaneContact::AddClosest(const qcPlacedSupport& a, const qcPlacedSupport&
 {
     if (separation.cornerCount == 0)
         return false;
-    uint32_t triangleA = FindTriangle(*m_trianglesA, separation.cornersA, separation.cornerCount);
-    uint32_t triangleB = FindTriangle(*m_trianglesB, separation.cornersB, separation.cornerCount);
+    uint32_t triangleA = FindTriangle(*a.mesh, separation.cornersA, separation.cornerCount);
+    uint32_t triangleB = FindTriangle(*b.mesh, separation.cornersB, separation.cornerCount);
     if (triangleA == a.mesh->Triangles().count || triangleB == b.mesh->Triangles().count)
         return false;
     btVector3 apart = separation.onA - separation.onB;
@@ -247,8 +304,8 @@ bool qcPlaneContact::Find(const qcPlacedSupport& a, const qcPlacedSupport& b, co
     m_trianglesB = &b.mesh->Triangles();
     m_points.clear();
     btScalar thickness = distance - separation.gap;
-    Read(a, m_axis, thickness, &m_a);
-    Read(b, -m_axis, thickness, &m_b);
+    Read(a, b, m_axis, thickness, &m_a);
+    Read(b, a, -m_axis, thickness, &m_b);
     m_a.triangles.Sort();
     m_b.triangles.Sort();
     m_b.edges.Sort();

@@ -19,7 +19,8 @@ class qcPlaneContact
   public:
     /// Appends the contact points whose distance along the separation's axis is at most `distance`. Where no part of
     /// one mesh lies over the other: the closest points, if `orClosest`. False: there are none, or they are not known.
-    /// O(vertices + triangles), and of what is next to the plane the pairs that overlap along one axis of the plane.
+    /// O(vertices + triangles), and of what is next to the plane the pairs that overlap along one axis of the plane. Of
+    /// large meshes only what lies where the other one is counts.
     bool Find(const qcPlacedSupport& a, const qcPlacedSupport& b, const qcSeparation& separation, btScalar distance,
               bool orClosest, std::vector<qcMeshPoint>* points);
 
@@ -48,9 +49,23 @@ class qcPlaneContact
         }
     };
 
-    /// What of a mesh is next to the plane.
+    /// How far a mesh extends along the plane.
+    struct Extent
+    {
+        btScalar lower[2], upper[2]; ///< along u and v
+
+        bool Overlaps(btScalar lowU, btScalar highU, btScalar lowV, btScalar highV) const
+        {
+            return lowU <= upper[0] && highU >= lower[0] && lowV <= upper[1] && highV >= lower[1];
+        }
+        template <size_t count> bool Overlaps(const qcFlat (&corners)[count]) const;
+    };
+
+    /// What of a mesh is next to the plane, where the other mesh is.
     struct Side
     {
+        Extent other;             ///< of the other mesh
+        std::vector<size_t> runs; ///< of vertices whose triangles may be there
         std::vector<Vertex> vertices;
         Triangles triangles;         ///< with a vertex next to the plane, but steep ones
         Edges edges;                 ///< likewise; edges within flat faces are left out
@@ -66,7 +81,10 @@ class qcPlaneContact
         btScalar heightB;
     };
 
-    void Read(const qcPlacedSupport& placed, const btVector3& outward, btScalar thickness, Side* side) const;
+    Extent ExtentOf(const qcPlacedSupport& placed) const;
+    static void FindRuns(const qcSupportMesh& mesh, const View& view, Side* side);
+    void Read(const qcPlacedSupport& placed, const qcPlacedSupport& other, const btVector3& outward, btScalar thickness,
+              Side* side) const;
     static void ReadTriangles(const qcSupportMesh& mesh, const View& view, uint32_t vertex, Side* side);
     static void ReadEdges(const qcSupportMesh& mesh, const View& view, uint32_t vertex, Side* side);
     void AddPoint(const qcFlat& onA, const qcFlat& onB, uint32_t triangleA, uint32_t triangleB);

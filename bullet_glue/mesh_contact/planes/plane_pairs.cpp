@@ -4,6 +4,9 @@
 #include "common/parallel_loop.h"
 #include "mesh_contact/planes/touching_faces.h"
 
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+#include <LinearMath/btTransformUtil.h>
+
 #include <algorithm>
 #include <tuple>
 
@@ -17,6 +20,8 @@ constexpr btScalar s_maxTurn = btScalar(0.05);
 constexpr size_t s_fewTriangles = 600;
 // Pairs that a thread takes at a time: of 2 to 10 microseconds each, so that fewer are not worth a second thread.
 constexpr size_t s_block = 32;
+// Hulls that have not met after so many advances pass very closely: they count as touching.
+constexpr int s_maxAdvances = 32;
 
 /// How fast two meshes approach each other: the motion of one relative to the other, where the smaller one is.
 struct Approach
@@ -53,8 +58,9 @@ void qcPlanePairs::ReadBody(const btCollisionObject* object, const qcBatchObject
     size_t slot = gathered.meshes.front().id.slot;
     m_bodies.resize(std::max(m_bodies.size(), slot + 1));
     Body& body = m_bodies[slot];
+    const btRigidBody* rigid = btRigidBody::upcast(object);
     if (!body.isKnown)
-        body = {true, m_cache.FindMesh(object), qcRigidMotion(object)};
+        body = {true, m_cache.FindMesh(object), qcRigidMotion(object), rigid != nullptr ? rigid->getInvMass() : 0};
 }
 
 /// An object's mesh and its place; a null mesh: it does not consist of one small mesh.
@@ -112,25 +118,31 @@ qcPlanePairs::Result qcPlanePairs::ComputePair(const qcBatchPair& duePair, size_
     if (turns)
         distance = qcBatchScene::ContactDistance(a, b) + margins;
     result.pair = {slotA, slotB, false, worker, points.size(), points.size(), separation.gap};
-    bool hasContact = separation.gap <= distance;
-    if (result.isTouching && hasContact)
+    const bool isNear = separation.gap <= distance;
+    const Link link{sideA,   sideB, slotA,         slotB, {travelA <= spacing, travelB <= spacing}, isNear, separation,
+                    margins, rest,  approach.turn, index};
+    // Bodies that move across the plane may have passed each other when they reach it.
+    Meeting meeting{0, sideA, sideB, separation};
+    const bool passes = isNear && !turns && separation.gap > rest + a.lead + b.lead + margins &&
+                        closing >= separation.gap - margins && !Meet(link, &meeting);
+    if (meeting.time > 0)
+        distance = std::max(std::min(threshold, rest + a.maxClosing + b.maxClosing),
+                            rest + ClosingUntil(link, meeting.separation.axis, m_timeStep) -
+                                ClosingUntil(link, meeting.separation.axis, meeting.time)) +
+                   a.lead + b.lead + margins;
+    if (result.isTouching && isNear)
         qcPlaneContact::AddTouching(sideA, sideB, separation, &points);
-    else if (hasContact && (separation.gap < -qcMaxHullOverlap * threshold ||
-                            !m_workers[worker].contact.Find(sideA, sideB, separation, distance,
-                                                            turns || closing <= spacing, &points)))
+    else if (isNear && !passes &&
+             (separation.gap < -qcMaxHullOverlap * threshold ||
+              !FindPointsOf(link, meeting, distance, turns || closing <= spacing || meeting.time > 0,
+                            &m_workers[worker])))
         return result;
     result.pair.end = points.size();
     if (!turns && std::max(travelA, travelB) > spacing && separation.gap <= rest + max + margins)
-        m_workers[worker].links.push_back({sideA,
-                                           sideB,
-                                           slotA,
-                                           slotB,
-                                           {travelA <= spacing, travelB <= spacing},
-                                           hasContact,
-                                           separation,
-                                           margins,
-                                           rest,
-                                           index});
+    {
+        m_workers[worker].links.push_back(link);
+        m_workers[worker].links.back().hasContact = isNear && !passes;
+    }
     if (slotA > slotB)
     {
         std::swap(result.pair.low, result.pair.high);
@@ -189,49 +201,111 @@ void qcPlanePairs::Compute(const std::vector<qcBatchPair>& pairs, btScalar timeS
     CollectPairs();
 }
 
-/// How much a pair has closed in along its axis at a time.
-btScalar qcPlanePairs::ClosingUntil(const Link& link, btScalar time) const
+/// Where the mesh of a body is at a time: it moves until it is stopped.
+btTransform qcPlanePairs::PlaceAt(uint32_t slot, const btTransform& start, btScalar time) const
 {
-    const Body &a = m_bodies[link.slotA], &b = m_bodies[link.slotB];
-    return (a.motion.linear * std::min(time, a.stopTime) - b.motion.linear * std::min(time, b.stopTime))
-        .dot(link.separation.axis);
+    const Body& body = m_bodies[slot];
+    btTransform centre = btTransform::getIdentity(), moved;
+    centre.setOrigin(body.motion.centre);
+    btTransformUtil::integrateTransform(centre, body.motion.linear, body.motion.angular, std::min(time, body.stopTime),
+                                        moved);
+    return moved * centre.inverse() * start;
 }
 
-/// When a pair touches; BT_LARGE_FLOAT: not in this step.
-btScalar qcPlanePairs::TouchTime(const Link& link) const
+/// How much a pair has closed in along a direction at a time.
+btScalar qcPlanePairs::ClosingUntil(const Link& link, const btVector3& axis, btScalar time) const
 {
-    btScalar gap = std::max(link.separation.gap - link.margins, btScalar(0));
+    const Body &a = m_bodies[link.slotA], &b = m_bodies[link.slotB];
+    return (a.motion.linear * std::min(time, a.stopTime) - b.motion.linear * std::min(time, b.stopTime)).dot(axis) +
+           link.turn * time / m_timeStep;
+}
+
+/// The first time at which a pair may have closed in by a gap along a direction since another time; BT_LARGE_FLOAT: not
+/// in this step.
+btScalar qcPlanePairs::TimeOfClosing(const Link& link, const btVector3& axis, btScalar since, btScalar gap) const
+{
     btScalar times[3] = {m_bodies[link.slotA].stopTime, m_bodies[link.slotB].stopTime, m_timeStep};
     std::sort(times, times + 3);
-    btScalar from = 0, closed = 0;
+    const btScalar before = ClosingUntil(link, axis, since);
+    btScalar from = since, closed = 0;
     for (btScalar to : times)
     {
         to = std::min(to, m_timeStep);
-        btScalar next = ClosingUntil(link, to);
-        if (next > gap && next > closed)
-            return closed >= gap ? from : from + (to - from) * (gap - closed) / (next - closed);
+        if (to <= from)
+            continue;
+        const btScalar next = ClosingUntil(link, axis, to) - before;
+        if (next >= gap)
+            return from + (to - from) * (gap - closed) / (next - closed);
         from = to;
         closed = next;
     }
     return BT_LARGE_FLOAT;
 }
 
+/// Finds where two hulls come as near as contact at rest, by conservative advancement (Mirtich: Impulse-based dynamic
+/// simulation of rigid body systems, 1996): they can't meet before they have closed in by the gap between them. False:
+/// not in this step, they pass each other.
+bool qcPlanePairs::Meet(const Link& link, Meeting* meeting) const
+{
+    *meeting = {0, link.a, link.b, link.separation};
+    for (int i = 0; i < s_maxAdvances; i++)
+    {
+        const btScalar gap = meeting->separation.gap - link.margins - link.rest;
+        if (gap <= 0)
+            return true;
+        meeting->time = TimeOfClosing(link, meeting->separation.axis, meeting->time, gap);
+        if (meeting->time > m_timeStep)
+            return false;
+        meeting->a.transform = PlaceAt(link.slotA, link.a.transform, meeting->time);
+        meeting->b.transform = PlaceAt(link.slotB, link.b.transform, meeting->time);
+        meeting->separation = qcFindSeparation(meeting->a, meeting->b, meeting->separation.axis, BT_LARGE_FLOAT, 0);
+    }
+    return true;
+}
+
+/// Finds the points of a pair where it meets, up to a distance beyond, and appends them where the bodies are at the
+/// start. See qcPlaneContact::Find.
+bool qcPlanePairs::FindPointsOf(const Link& link, const Meeting& meeting, btScalar distance, bool orClosest,
+                                Worker* worker) const
+{
+    const size_t begin = worker->points.size();
+    if (!worker->contact.Find(meeting.a, meeting.b, meeting.separation, distance, orClosest, &worker->points))
+        return false;
+    if (meeting.time <= 0)
+        return true;
+    const btTransform backA = link.a.transform * meeting.a.transform.inverse(),
+                      backB = link.b.transform * meeting.b.transform.inverse();
+    // The arm of the lighter body changes less; see qcBounces.
+    const btScalar inverseA = m_bodies[link.slotA].inverseMass, inverseB = m_bodies[link.slotB].inverseMass;
+    const btScalar partOfA = inverseA + inverseB > 0 ? inverseB / (inverseA + inverseB) : btScalar(0.5);
+    for (size_t i = begin; i < worker->points.size(); i++)
+    {
+        qcMeshPoint& point = worker->points[i];
+        point.onA = backA * point.onA;
+        point.onB = backB * point.onB;
+        point.AlignEnds(partOfA);
+    }
+    return true;
+}
+
 /// Adds the contact of a pair that touches since others have stopped one of its bodies, and stops the other one. True
 /// if a body has been stopped earlier than before.
 bool qcPlanePairs::FollowLink(Link* link)
 {
-    btScalar time = TouchTime(*link);
-    if (time > m_timeStep)
+    Meeting meeting;
+    if (!Meet(*link, &meeting))
         return false;
+    const btScalar time = meeting.time;
     if (!link->hasContact)
     {
         Pair& pair = m_results[link->pair].pair;
         Worker& worker = m_workers[pair.worker];
-        btScalar closing = ClosingUntil(*link, m_timeStep);
+        const btVector3& axis = meeting.separation.axis;
+        const btScalar closing = ClosingUntil(*link, axis, m_timeStep),
+                       left = closing - ClosingUntil(*link, axis, time);
         size_t begin = worker.points.size();
         link->hasContact = true;
-        if (!worker.contact.Find(link->a, link->b, link->separation, closing + link->rest + link->margins, false,
-                                 &worker.points))
+        if (!FindPointsOf(*link, meeting, left + link->rest + link->margins, false, &worker))
         {
             link->separation.gap = BT_LARGE_FLOAT; // they pass each other
             return false;

@@ -55,6 +55,7 @@ class qcPlanePairs
         bool isKnown = false;                ///< in this step
         const qcSupportMesh* mesh = nullptr; ///< null: it does not consist of one small mesh
         qcRigidMotion motion;
+        btScalar inverseMass = 0;
         btScalar stopTime = BT_LARGE_FLOAT; ///< when it touches a body that is stopped or quasi-static
     };
 
@@ -67,7 +68,8 @@ class qcPlanePairs
         bool hasContact;       ///< its points are known
         qcSeparation separation;
         btScalar margins, rest;
-        size_t pair; ///< index of the step's pair
+        btScalar turn; ///< upper bound of how far they close in by turning, in a step
+        size_t pair;   ///< index of the step's pair
     };
 
     /// What has been computed of a pair of the step.
@@ -86,6 +88,14 @@ class qcPlanePairs
         std::vector<Link> links;
     };
 
+    /// When, where and along which direction the hulls of a pair come within a distance.
+    struct Meeting
+    {
+        btScalar time = 0;
+        qcPlacedSupport a, b; ///< at that time
+        qcSeparation separation;
+    };
+
     const Pair* Find(uint32_t slotA, uint32_t slotB) const;
     void ReadBody(const btCollisionObject* object, const qcBatchObject& gathered);
     qcPlacedSupport SideOf(const qcBatchObject& gathered) const;
@@ -94,8 +104,12 @@ class qcPlanePairs
     void CollectLinks();
     void Follow();
     void CollectPairs();
-    btScalar ClosingUntil(const Link& link, btScalar time) const;
-    btScalar TouchTime(const Link& link) const;
+    btTransform PlaceAt(uint32_t slot, const btTransform& start, btScalar time) const;
+    btScalar ClosingUntil(const Link& link, const btVector3& axis, btScalar time) const;
+    btScalar TimeOfClosing(const Link& link, const btVector3& axis, btScalar since, btScalar gap) const;
+    bool Meet(const Link& link, Meeting* meeting) const;
+    bool FindPointsOf(const Link& link, const Meeting& meeting, btScalar distance, bool orClosest,
+                      Worker* worker) const;
     bool FollowLink(Link* link);
 
     qcAxisCache& m_cache;

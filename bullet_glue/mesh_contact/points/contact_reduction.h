@@ -25,14 +25,14 @@ struct qcMeshPoint
         std::swap(sourceA, sourceB);
         normal = -normal;
     }
-    /// Sets the distance of the ends along the normal. Bullet requires ends on a line along it: each takes half of the
-    /// difference.
-    void AlignEnds()
+    /// Sets the distance of the ends along the normal. Bullet requires ends on a line along it: the one on A takes this
+    /// part of the difference, the other one the rest.
+    void AlignEnds(btScalar partOfA = btScalar(0.5))
     {
         distance = (onA - onB).dot(normal);
-        const btVector3 aside = (onA - onB - distance * normal) / 2;
-        onA -= aside;
-        onB += aside;
+        const btVector3 aside = onA - onB - distance * normal;
+        onA -= aside * partOfA;
+        onB += aside * (1 - partOfA);
     }
 };
 

@@ -3,6 +3,8 @@
 
 #include "bullet/random_numbers.h"
 
+#include <numeric>
+
 // After the standard headers: check defines a macro named fail.
 #include "support/suite.h"
 
@@ -57,6 +59,12 @@ void CheckDirection(const qcExtremeVertices& vertices, const std::vector<btVecto
     ck_assert_uint_eq(vertices.FindMax(direction), first);
     vertices.AppendAbove(direction, least, &found);
     ck_assert(found == above);
+    // All runs together have all vertices.
+    std::vector<size_t> runs(vertices.RunCount());
+    std::iota(runs.begin(), runs.end(), size_t(0));
+    found.clear();
+    vertices.AppendAboveInRuns(direction, least, runs, &found);
+    ck_assert(found == above || runs.empty());
 }
 
 START_TEST(extreme_vertices_are_those_of_all_vertices)

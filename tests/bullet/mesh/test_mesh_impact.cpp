@@ -5,6 +5,8 @@
 #include "bullet/mesh/motion_oracle.h"
 #include "bullet/random_numbers.h"
 
+#include <BulletDynamics/Dynamics/btSimpleDynamicsWorld.h>
+
 #ifdef QC_BUNNY
 #include "bullet/mesh/mesh_bunny.h"
 #endif
@@ -12,6 +14,7 @@
 namespace
 {
 constexpr btScalar s_speed = 5; // 8 cm a step, and a threshold of 1.7
+constexpr double s_speeds[] = {10, 20, 40, 80};
 
 btScalar BodyHeight(const btRigidBody* body)
 {
@@ -538,6 +541,88 @@ START_TEST(a_row_that_is_struck_gains_no_energy)
 }
 END_TEST
 
+/// A ball flies past the edge of a box, in the plane across it. Returns the change of its velocity as a part of it.
+static double ChangePastEdge(double speed, double clearance, double angle, double phase)
+{
+    constexpr double radius = 0.15, half = 0.5;
+    qcMeshWorld world;
+    world.world.setGravity(btVector3(0, 0, 0));
+    world.Add(world.Keep(qcBoxModel(btVector3(half, half, half), 1).MakeShape()), 0, btVector3(0, 0, 0));
+    const btVector3 direction(btScalar(cos(angle)), 0, btScalar(sin(angle))), across(-direction.z(), 0, direction.x());
+    const btVector3 edge(half, 0, half), outward = across.dot(edge) > 0 ? across : -across;
+    const btScalar margins = btScalar(0.02);
+    const btVector3 place =
+        edge + outward * (btScalar(radius + clearance) + margins) - direction * btScalar(3 + speed / 60 * phase);
+    btRigidBody* ball = world.Add(world.Keep(qcSphereModel(radius, 2).MakeShape()), 1, place);
+    ball->setLinearVelocity(direction * btScalar(speed));
+    ball->setActivationState(DISABLE_DEACTIVATION);
+    world.Step(int(6 / speed * 60) + 2);
+    return double((ball->getLinearVelocity() - direction * btScalar(speed)).length()) / speed;
+}
+
+START_TEST(what_flies_past_an_edge_is_not_deflected)
+{
+    const double clearance = 0.0025 * s_speeds[_i];
+    for (int phase = 0; phase < 16; phase++)
+        for (double turn : {-0.5, 0.0, 0.5})
+        {
+            ck_assert_double_lt(ChangePastEdge(s_speeds[_i], clearance, turn - 0.785, phase / 16.0), 1e-3);
+            // What flies at the edge is.
+            ck_assert_double_gt(ChangePastEdge(s_speeds[_i], -0.1, turn - 0.785, phase / 16.0), 0.05);
+        }
+}
+END_TEST
+
+START_TEST(what_falls_past_a_ledge_is_not_deflected)
+{
+    for (int i = 0; i < 8; i++)
+    {
+        qcMeshWorld world;
+        world.Add(world.Keep(qcBoxModel(btVector3(1, btScalar(0.1), 1), 1).MakeShape()), 0, btVector3(0, 0, 0));
+        const btVector3 place(btScalar(1 + 0.25 + 0.02 + 0.03), btScalar(1.5 + 0.1 * i), 0);
+        btRigidBody* crate = world.Add(
+            world.Keep(qcBoxModel(btVector3(btScalar(0.25), btScalar(0.25), btScalar(0.25)), 1).MakeShape()), 1, place);
+        world.Step(60);
+        ck_assert_double_lt(double(crate->getWorldTransform().getOrigin().y()), -1);
+        ck_assert_double_lt(fabs(double(crate->getLinearVelocity().x())), 1e-3);
+        ck_assert_double_lt(double(crate->getAngularVelocity().length()), 1e-3);
+    }
+}
+END_TEST
+
+START_TEST(meshes_bounce_in_a_world_that_runs_no_actions)
+{
+    btDefaultCollisionConfiguration configuration;
+    btCollisionDispatcher dispatcher(&configuration);
+    btDbvtBroadphase broadphase;
+    btSequentialImpulseConstraintSolver solver;
+    qcMeshContact contact;
+    btSimpleDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+    ck_assert_int_eq(contact.addTo(&world), qc_statusOk);
+    world.setGravity(btVector3(0, -10, 0));
+    auto floorShape = qcFloorModel(2, 2).MakeShape(), shape = qcCubeModel().MakeShape();
+    btRigidBody floor(0, nullptr, floorShape.get());
+    btVector3 inertia;
+    shape->calculateLocalInertia(1, inertia);
+    btRigidBody cube(1, nullptr, shape.get(), inertia);
+    cube.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, 2, 0)));
+    for (btRigidBody* body : {&floor, &cube})
+    {
+        body->setRestitution(1);
+        world.addRigidBody(body);
+    }
+    btScalar fastest = 0;
+    for (int i = 0; i < 60; i++)
+    {
+        world.stepSimulation(qcStep, 0);
+        fastest = std::max(fastest, cube.getLinearVelocity().y());
+    }
+    ck_assert_double_gt(double(fastest), 4);
+    for (btRigidBody* body : {&floor, &cube})
+        world.removeRigidBody(body);
+}
+END_TEST
+
 START_TEST(bouncing_meshes_gain_no_energy)
 {
     qcModel room = qcBoxModel(btVector3(3, 3, 3), 2), cube = qcCubeModel(), ball = qcSphereModel(0.5, 2);
@@ -642,6 +727,9 @@ QC_TEST_MAIN()
     tcase_add_test(tests, a_falling_column_is_stopped_from_its_foot_to_its_head);
     tcase_add_test(tests, the_end_of_a_spinning_bar_does_not_pass_through_a_post);
     tcase_add_test(tests, a_rod_that_spins_out_of_reach_of_a_plane_meets_nothing);
+    tcase_add_loop_test(tests, what_flies_past_an_edge_is_not_deflected, 0, int(std::size(s_speeds)));
+    tcase_add_test(tests, what_falls_past_a_ledge_is_not_deflected);
+    tcase_add_test(tests, meshes_bounce_in_a_world_that_runs_no_actions);
     tcase_add_test(tests, a_body_pushed_after_a_query_is_queried_again);
     tcase_add_test(tests, velocities_that_are_not_finite_disturb_no_other_body);
 #ifdef QC_BUNNY

@@ -129,6 +129,48 @@ START_TEST(what_is_put_behind_a_wall_is_there_after_a_query_with_a_compound)
     ck_assert_double_eq_tol(PutBehind(&made, body), double(s_wallAt + 2), 1e-5);
 }
 END_TEST
+
+void MoveBy(btCollisionObject* object, const btVector3& by)
+{
+    btTransform place = object->getWorldTransform(), interpolated = object->getInterpolationWorldTransform();
+    place.getOrigin() += by;
+    interpolated.getOrigin() += by;
+    object->setWorldTransform(place);
+    object->setInterpolationWorldTransform(interpolated);
+}
+
+/// Boxes on hills, awake or asleep: the application moves all objects there and back.
+START_TEST(a_new_origin_of_the_world_moves_nothing_in_it)
+{
+    const bool areMeshes = _i % 2 != 0, areLong = _i / 2 != 0;
+    const btVector3 half(btScalar(0.3), btScalar(0.3), btScalar(0.3)), shift(btScalar(areLong ? 40 : 5), 0, 1);
+    for (int wait = 30; wait < 330; wait += 20)
+    {
+        qcMeshWorld world;
+        qcModel hills = qcFloorModel(20, 20);
+        for (size_t i = 0; i < hills.positions.size(); i += 3)
+            hills.positions[i + 1] = btScalar(0.3) * btSin(hills.positions[i] / 2) * btCos(hills.positions[i + 2] / 2);
+        world.Add(world.Keep(hills.MakeShape()), 0, btVector3(0, 0, 0));
+        for (int i = 0; i < 3; i++)
+            world.Add(areMeshes ? world.Keep(qcBoxModel(half, 1).MakeShape())
+                                : world.Keep(std::unique_ptr<btCollisionShape>(new btBoxShape(half))),
+                      1, btVector3(btScalar(2 * i), btScalar(0.8), 0));
+        world.Step(wait);
+        for (const btVector3& by : {shift, -shift})
+        {
+            for (auto& body : world.bodies)
+                MoveBy(body.get(), by);
+            std::vector<btVector3> before;
+            for (auto& body : world.bodies)
+                before.push_back(body->getWorldTransform().getOrigin());
+            world.Step();
+            for (size_t i = 0; i < before.size(); i++)
+                ck_assert_double_lt(double(world.bodies[i]->getWorldTransform().getOrigin().distance(before[i])), 0.05);
+            world.Step(30);
+        }
+    }
+}
+END_TEST
 } // namespace
 
 QC_TEST_MAIN()
@@ -137,5 +179,6 @@ QC_TEST_MAIN()
     tcase_add_loop_test(tests, what_is_put_behind_a_wall_is_there_where_a_character_walks, 0, order_kinds);
     tcase_add_loop_test(tests, fast_convex_shapes_pass_no_mesh_where_a_character_walks, 0, order_kinds);
     tcase_add_test(tests, what_is_put_behind_a_wall_is_there_after_a_query_with_a_compound);
+    tcase_add_loop_test(tests, a_new_origin_of_the_world_moves_nothing_in_it, 0, 4);
     return qcRunCase("mesh_starts", tests);
 }
