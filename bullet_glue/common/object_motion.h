@@ -17,6 +17,12 @@ inline bool qcIsStatic(const btCollisionObject* object)
 /// True if the object's transform and velocities are finite.
 bool qcIsFinite(const btCollisionObject& object);
 
+/// True if a point has moved by a translation, up to rounding.
+inline bool qcIsTranslation(const btVector3& translation, const btVector3& from, const btVector3& to)
+{
+    return (to - from - translation).length() <= 8 * SIMD_EPSILON * (from.length() + to.length());
+}
+
 /// Half the diagonal of a shape's box.
 btScalar qcHalfSize(const btCollisionShape* shape);
 

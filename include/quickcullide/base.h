@@ -52,7 +52,8 @@ typedef enum qcStatus
     /// An allocation failed.
     qc_statusOutOfMemory = 3,
     /// The GL context of the device is lost, for example after a GPU reset; a new one opens by itself, see
-    /// qcDeviceDef::reopenSeconds, or by qcDevice_Reopen.
+    /// qcDeviceDef::reopenSeconds, or by qcDevice_Reopen. A qcDeviceBuffer that was opened before that returns it ever
+    /// after: close and open it again.
     qc_statusDeviceLost = 4,
     /// A file could not be created, written or read, or it is damaged; qcLastMessage names it and the place.
     qc_statusFile = 5,
@@ -89,7 +90,8 @@ typedef void qcLogFunction(const char* line, void* context);
 /// Sets the function that receives log lines. Null, the default: lines are discarded.
 QC_API void qcSetLog(qcLogFunction* log, void* context);
 
-/// One worker of a parallel loop: processes blocks of the loop until none is left, then returns.
+/// One worker of a parallel loop: processes blocks of the loop until none is left, then returns. It needs 160 KB of
+/// stack, as all functions of the library do.
 typedef void qcTask(uint32_t index, void* taskContext);
 
 /// A parallel-for of the host: calls task(index, taskContext) once for each index below `count`, in any order, on any

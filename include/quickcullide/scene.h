@@ -220,8 +220,10 @@ typedef struct qcProximity
 /// Is the distance of two triangles at most `margin`? Exact for all finite coordinates and margin >= 0; false for a
 /// negative margin or NaN. O(1). Any thread.
 ///
-/// `proximity` (may be null) is filled if the answer is yes. It is rounded in double: distance, depth and points to
-/// 1e-12 of the triangles' extent, however far from the origin they lie; the normal to 1e-15 * extent / distance.
+/// `proximity` (may be null) is filled if the answer is yes. It is rounded in double: distance and depth to 1e-12 of
+/// the triangles' extent, however far from the origin they lie. Points whose distances differ by rounding only count as
+/// equally near: those of separate triangles are off by up to some 1e-8 of their distance, and 1e-12 of the extent; the
+/// normal by 1e-8, and 1e-15 * extent / distance.
 /// Swapping A and B gives the mirror image to the last bit, with the opposite normal; if A and B are equal corner by
 /// corner, both orders have the same normal.
 QC_API bool qcTrianglesWithin(const double* a, const double* b, double margin, qcProximity* proximity);
@@ -443,7 +445,8 @@ typedef struct qcManifoldPoint
 /// positions count as shared.
 ///
 /// Each pair in contact has a point, or an adjacent pair has one, or the pair lies in a flat patch between two rigid
-/// bodies, where only corners are reported. If both bodies are flat there and a plane separates the whole region, all
+/// bodies, where only corners are reported. Two triangles of one body that only touch at a common vertex, by index or
+/// at equal positions, are no contact. If both bodies are flat there and a plane separates the whole region, all
 /// points have the plane's normal. Two points at the same place (nearer than 1/64 of the triangles' size) have
 /// different normals. Within one body, A and B are the two sides of the region, whatever the order of their indices.
 ///

@@ -5,12 +5,16 @@
 #include "common/vertex_box.h"
 #include "quickcullide/hash.h"
 
+#include <LinearMath/btAabbUtil2.h>
+
 #include <algorithm>
 
 qcSweptMesh::qcSweptMesh(const qcSweptSource& source, bool keeps)
     : part(source.part), shape(source.mesh.shape), local(source.mesh.transform), revision(qcMeshRevision(shape)),
       triangles(new qcMeshTriangles(shape, nullptr))
 {
+    if (part != qcSweptPart::mesh)
+        qcFindBox(triangles->points, triangles->pointCount, coreBox);
     if (!keeps || triangles->pointCount == 0)
         return;
     if (qcAsMeshShape(shape) == nullptr)
@@ -25,6 +29,8 @@ qcSweptMesh::qcSweptMesh(const qcSweptSource& source, bool keeps)
 
 bool qcSweptMesh::Encloses(const btVector3& point) const
 {
+    if (!TestPointAgainstAabb2(coreBox[0], coreBox[1], point))
+        return false;
     const btVector3* points = triangles->points;
     btVector3 centre(0, 0, 0);
     btScalar radius = 0;
@@ -75,6 +81,7 @@ qcStatus qcSweptMesh::AddTo(qcScene* scene, const btTransform& object, uint32_t 
                                   object * local, qc_activityMoving);
     def.owner = owner;
     isDeforming = Deforms();
+    sceneTransform = object * local;
     return isDeforming ? qcAddDeforming(scene, def, object * local, &id) : qcScene_AddBody(scene, &def, &id);
 }
 
@@ -85,7 +92,7 @@ void qcSweptMesh::RemoveFrom(qcScene* scene)
     id = qcBodyId{};
 }
 
-qcStatus qcSweptMesh::Place(qcScene* scene, const btTransform& object, bool atStart) const
+qcStatus qcSweptMesh::Place(qcScene* scene, const btTransform& object, bool atStart)
 {
     const btTransform place = object * local;
     if (isDeforming)
@@ -93,8 +100,14 @@ qcStatus qcSweptMesh::Place(qcScene* scene, const btTransform& object, bool atSt
         const btVector3* points = atStart && Deforms() ? startPoints.data() : triangles->points;
         return qcSetDeforming(scene, id, place, points, triangles->pointCount);
     }
+    // Large compounds have thousands of cores, most of which stay.
+    if (qcAreSame(place, sceneTransform))
+        return qc_statusOk;
     const qcTransform transform = qcTransformOf(place);
-    return qcScene_SetTransform(scene, id, &transform);
+    const qcStatus status = qcScene_SetTransform(scene, id, &transform);
+    if (status == qc_statusOk)
+        sceneTransform = place;
+    return status;
 }
 
 std::vector<qcSweptSource> qcCollectSwept(const btCollisionShape* shape, qcConvexCores* cores,

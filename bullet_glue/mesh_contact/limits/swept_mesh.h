@@ -37,6 +37,8 @@ struct qcSweptMesh
     uint64_t trianglesHash = 0;         ///< of a qcMeshShape's indices, or of the numbers in Bullet; 0: it can't deform
     std::vector<btVector3> startPoints; ///< at the start of the step; empty: the mesh does not deform
     btVector3 startBox[2];              ///< around these: lower and upper corner
+    btTransform sceneTransform;         ///< of the mesh in the scene
+    btVector3 coreBox[2];               ///< of a core, around its points
 
     /// `keeps`: it may deform in a later step.
     qcSweptMesh(const qcSweptSource& source, bool keeps);
@@ -60,7 +62,7 @@ struct qcSweptMesh
     /// `object`: the transform of its object; `owner`: see qcBodyDef.
     qcStatus AddTo(qcScene* scene, const btTransform& object, uint32_t owner);
     void RemoveFrom(qcScene* scene);
-    qcStatus Place(qcScene* scene, const btTransform& object, bool atStart) const;
+    qcStatus Place(qcScene* scene, const btTransform& object, bool atStart);
 };
 
 /// What of a shape is swept: its meshes and, unless these are null, the cores and inner cores of its convex shapes.

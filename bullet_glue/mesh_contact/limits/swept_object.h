@@ -32,6 +32,7 @@ struct qcSweptObject
     uint32_t number = 0;                   ///< in the order in which objects entered the world; see qcIdCounter
     uint32_t index = 0;                    ///< in the present list of objects
     uint64_t step = 0;                     ///< the last update that found the object in the world
+    uint64_t detection = 0;                ///< the last one of triangles that has it
     btScalar radius = 0;                   ///< of a sphere around its shape, about its origin
     bool hasMesh = false;                  ///< one of its shapes consists of triangles; planes do not
     bool isOurs = false;                   ///< contact of one of its meshes with any other mesh is computed here

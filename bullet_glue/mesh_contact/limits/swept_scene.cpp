@@ -11,6 +11,19 @@ qcSweptScene::~qcSweptScene()
     qcScene_Destroy(m_scene);
 }
 
+void qcSweptScene::CollectObjects()
+{
+    m_objects.clear();
+    m_detection++;
+    for (const qcSweptPair& pair : *m_pairs)
+        for (qcSweptObject* swept : {pair.first, pair.second})
+        {
+            if (swept->detection != m_detection)
+                m_objects.push_back(swept);
+            swept->detection = m_detection;
+        }
+}
+
 /// Brings the scene's meshes of an object up to date.
 qcStatus qcSweptScene::AddMeshes(qcSweptObject* swept)
 {
@@ -41,14 +54,13 @@ qcStatus qcSweptScene::AddMeshes(qcSweptObject* swept)
     return qc_statusOk;
 }
 
-/// Places the meshes of all pairs at the start or the end of the step.
-qcStatus qcSweptScene::PlaceMeshes(bool atStart)
+/// Places the meshes of all objects at the start or the end of the step.
+qcStatus qcSweptScene::PlaceMeshes(bool atStart) const
 {
     qcStatus status = qc_statusOk;
-    for (const qcSweptPair& pair : *m_pairs)
-        for (const qcSweptObject* swept : {pair.first, pair.second})
-            for (const qcSweptMesh& mesh : swept->meshes)
-                status = qcFirstError(status, mesh.Place(m_scene, atStart ? swept->start : swept->end, atStart));
+    for (qcSweptObject* swept : m_objects)
+        for (qcSweptMesh& mesh : swept->meshes)
+            status = qcFirstError(status, mesh.Place(m_scene, atStart ? swept->start : swept->end, atStart));
     return status;
 }
 
@@ -76,9 +88,9 @@ qcStatus qcSweptScene::Detect(const std::vector<qcSweptPair>& pairs, const std::
         qcSceneDef def = qcDefaultSceneDef();
         status = qcScene_Create(&def, &m_scene);
     }
-    for (const qcSweptPair& pair : pairs)
-        for (qcSweptObject* swept : {pair.first, pair.second})
-            status = status == qc_statusOk ? AddMeshes(swept) : status;
+    CollectObjects();
+    for (qcSweptObject* swept : m_objects)
+        status = status == qc_statusOk ? AddMeshes(swept) : status;
     if (status == qc_statusOk)
         status = PlaceMeshes(true);
     if (status == qc_statusOk)

@@ -38,14 +38,17 @@ class qcSweptScene
         const qcSweptMesh* mesh;
     };
 
+    void CollectObjects();
     qcStatus AddMeshes(qcSweptObject* swept);
-    qcStatus PlaceMeshes(bool atStart);
+    qcStatus PlaceMeshes(bool atStart) const;
     Side SideOf(uint32_t slot) const;
     static bool TestPair(void* context, uint32_t slotA, uint32_t slotB);
 
     const qcBatchSettings& m_settings;
     qcScene* m_scene = nullptr;
     const std::vector<qcSweptPair>* m_pairs = nullptr;           ///< of the present detection
+    std::vector<qcSweptObject*> m_objects;                       ///< of these pairs
+    uint64_t m_detection = 0;                                    ///< number of the present one
     const std::set<qcPairNumbers>* m_inner = nullptr;            ///< likewise
     std::vector<std::pair<qcSweptObject*, size_t>> m_meshOfSlot; ///< object and index of its mesh
 };

@@ -7,6 +7,8 @@
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
+#include <algorithm>
+
 namespace
 {
 /// True for a link of a multibody.
@@ -34,18 +36,63 @@ qcObjectStarts::Moved qcObjectStarts::MakeMoved(btCollisionObject* object, const
     return moved;
 }
 
+/// The state of an object, and whether it is new. Broadphases mostly name the objects in the same order.
+std::pair<qcObjectStarts::State*, bool> qcObjectStarts::FindOrAdd(const qcObjectKey& key)
+{
+    const size_t place = m_present.size() - 1;
+    if (place < m_order.size() && m_order[place].first == key)
+        return {m_order[place].second, false};
+    auto [found, isNew] = m_states.emplace(key, State());
+    m_order.resize(std::max(m_order.size(), place + 1), {key, &found->second});
+    m_order[place] = {key, &found->second};
+    return {&found->second, isNew};
+}
+
+/// True if something has moved by a translation, up to rounding.
+bool qcObjectStarts::IsShift(const btVector3& translation, const btTransform& from, const btTransform& to)
+{
+    return qcIsTranslation(translation, from.getOrigin(), to.getOrigin()) &&
+           qcAreSame(from.getBasis()[0], to.getBasis()[0]) && qcAreSame(from.getBasis()[1], to.getBasis()[1]) &&
+           qcAreSame(from.getBasis()[2], to.getBasis()[2]);
+}
+
+bool qcObjectStarts::AreShiftedBy(const btVector3& translation, const qcBroadphases& broadphases) const
+{
+    bool areShifted = true;
+    auto check = [&](btCollisionObject* object, btBroadphaseInterface*)
+    {
+        auto found = areShifted ? m_states.find(qcObjectKey(object)) : m_states.end();
+        if (found == m_states.end() || found->second.step != m_step)
+            return;
+        const State& state = found->second;
+        areShifted = IsShift(translation, state.end, IsDynamic(object) ? state.begin : object->getWorldTransform());
+    };
+    qcForEachObject(broadphases, check);
+    return areShifted;
+}
+
 void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep, const qcRigidLimits* limits)
 {
-    auto [found, isNew] = m_states.emplace(qcObjectKey(object), State());
-    State& state = found->second;
+    auto [found, isNew] = FindOrAdd(qcObjectKey(object));
+    State& state = *found;
     if (state.step == m_step)
         return;
     state.step = m_step;
     m_count++;
     const btTransform& now = object->getWorldTransform();
+    const bool isDynamic = IsDynamic(object);
+    if (!isNew && !isDynamic && qcAreSame(state.end, now))
+    {
+        state.start = now;
+        state.motion.setZero();
+        return;
+    }
+    const bool isShifted = !m_shift.isZero() && IsShift(m_shift, state.end, isDynamic ? state.begin : now);
     if (isNew)
         state.start = now;
-    else if (IsDynamic(object))
+    else if (isShifted)
+        state.start = isDynamic ? state.begin : now;
+    else if (isDynamic)
     {
         const btCollisionShape* shape = object->getCollisionShape();
         bool isNear = qcMaxDisplacement(shape, state.end, state.begin) <= qcHalfSize(shape) ||
@@ -62,7 +109,7 @@ void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep, co
     if (!qcIsFinite(state.start))
         state.start = now;
     // A jump is remembered, too: the next one like it is a motion.
-    state.motion = isNew ? btVector3(0, 0, 0) : now.getOrigin() - state.end.getOrigin();
+    state.motion = isNew || isShifted ? btVector3(0, 0, 0) : now.getOrigin() - state.end.getOrigin();
     state.end = now;
     if (qcAreSame(state.start, now))
         return;
@@ -107,7 +154,10 @@ void qcObjectStarts::Read(const qcBroadphases& broadphases, btScalar timeStep, c
                         m_present.push_back({object, broadphase});
                         ReadObject(object, timeStep, limits);
                     });
-    for (auto state = m_states.begin(); m_count < m_states.size() && state != m_states.end();)
+    if (m_count == m_states.size())
+        return;
+    m_order.clear();
+    for (auto state = m_states.begin(); state != m_states.end();)
         state = state->second.step != m_step ? m_states.erase(state) : std::next(state);
 }
 

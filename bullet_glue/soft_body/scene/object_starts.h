@@ -12,6 +12,7 @@
 
 #include <functional>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 class qcObjectStarts
@@ -23,6 +24,15 @@ class qcObjectStarts
     void Begin(const qcBroadphases& broadphases, const ObjectFunction& function);
     /// Reads again where the application has left these bodies, after its callbacks within the step.
     void ReadBegin(const qcBroadphases& broadphases);
+    /// True if the application has moved all objects that were there by one translation since the previous step.
+    /// O(objects).
+    bool AreShiftedBy(const btVector3& translation, const qcBroadphases& broadphases) const;
+    /// From now on what the application has moved by this translation since the previous step was put where it is, in
+    /// this step: the origin of the world is another one. Zero: it is not.
+    void SetShift(const btVector3& translation)
+    {
+        m_shift = translation;
+    }
     /// Reads the objects of the step, after Bullet has moved them, but those that are not finite. Objects that have
     /// left the broadphases are forgotten. `limits`: what they have moved is not put elsewhere; or null. O(objects).
     void Read(const qcBroadphases& broadphases, btScalar timeStep, const qcRigidLimits* limits);
@@ -84,14 +94,18 @@ class qcObjectStarts
         btVector3 lower, upper;
     };
 
+    std::pair<State*, bool> FindOrAdd(const qcObjectKey& key);
+    static bool IsShift(const btVector3& translation, const btTransform& from, const btTransform& to);
     static Moved MakeMoved(btCollisionObject* object, const btTransform& from);
     void ReadObject(btCollisionObject* object, btScalar timeStep, const qcRigidLimits* limits);
 
     std::unordered_map<qcObjectKey, State, qcObjectKeyHash> m_states;
+    std::vector<std::pair<qcObjectKey, State*>> m_order; ///< those of the last step's m_present, and perhaps of others
     std::vector<Present> m_present;
     std::vector<Moved> m_moved;
     const btCollisionObject* m_notFinite = nullptr;
-    size_t m_count = 0; ///< objects read in this step
+    btVector3 m_shift{0, 0, 0}; ///< see SetShift
+    size_t m_count = 0;         ///< objects read in this step
     uint64_t m_step = 0;
 };
 

@@ -25,6 +25,15 @@ class qcSoftBodyMeshes
     {
         m_starts.ReadBegin(broadphases);
     }
+    /// See qcObjectStarts.
+    qcObjectStarts& Starts()
+    {
+        return m_starts;
+    }
+    const qcObjectStarts& Starts() const
+    {
+        return m_starts;
+    }
     /// Calls function(lower, upper) for the motion of each object that Bullet does not move and others respond to,
     /// where the application has moved it or its triangles since the previous step. O(objects * objects near soft
     /// bodies).

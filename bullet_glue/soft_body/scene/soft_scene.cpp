@@ -4,6 +4,7 @@
 #include "common/finite.h"
 #include "common/first_error.h"
 #include "common/object_key.h"
+#include "common/object_motion.h"
 #include "common/profiled_detect.h"
 #include "common/shape_triangles.h"
 #include "quickcullide/bullet_positions.h"
@@ -166,12 +167,38 @@ qcStatus qcSoftBodyScene::CreateScene()
     return qcScene_Create(&def, &m_scene);
 }
 
-void qcSoftBodyScene::ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::Node::*start)
+/// The translation by which the application has moved all objects since the previous step, as for a new origin of the
+/// world; zero: it has not.
+btVector3 qcSoftBodyScene::FindShift(const qcBroadphases& broadphases, btVector3 btSoftBody::Node::*start) const
+{
+    const btVector3 none(0, 0, 0);
+    btVector3 shift = none;
+    for (const qcSceneSoftBody& tracked : m_bodies)
+    {
+        if (!tracked.hasEnd || tracked.positions.size() != size_t(tracked.NodeCount()))
+            continue;
+        auto member = tracked.body->isActive() ? start : &btSoftBody::Node::m_x;
+        for (size_t n = 0; n < tracked.positions.size(); n++)
+        {
+            const btVector3& now = tracked.body->m_nodes[int(n)].*member;
+            if (shift.isZero())
+                shift = now - tracked.positions[n];
+            if (shift.isZero() || !qcIsTranslation(shift, tracked.positions[n], now))
+                return none;
+        }
+    }
+    return !shift.isZero() && meshes.Starts().AreShiftedBy(shift, broadphases) ? shift : none;
+}
+
+/// `isShifted`: the application has moved the origin of the world.
+void qcSoftBodyScene::ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::Node::*start, bool isShifted)
 {
     ApplySettings(tracked);
     // A body that Bullet does not simulate stays where it is.
     auto member = tracked.moves ? start : &btSoftBody::Node::m_x;
-    bool isNearEnd = tracked.ReadApplied(member);
+    bool isNearEnd = tracked.ReadApplied(member) && !isShifted;
+    if (isShifted)
+        tracked.applied.clear();
     tracked.start.resize(size_t(tracked.NodeCount()));
     for (int n = 0; n < tracked.NodeCount() && !isNearEnd; n++)
         tracked.start[size_t(n)] = tracked.body->m_nodes[n].*member;
@@ -250,6 +277,8 @@ qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, 
         }
         status = Track(bodies[i]);
     }
+    const btVector3 shift = FindShift(BroadphasesOf(bodies), start);
+    meshes.Starts().SetShift(shift);
     // What is tracked is whole, also where another body could not be added.
     m_bodyOfSlot.clear();
     for (size_t i = 0; i < m_bodies.size(); i++)
@@ -258,7 +287,7 @@ qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, 
         if (slot >= m_bodyOfSlot.size())
             m_bodyOfSlot.resize(slot + 1, SIZE_MAX);
         m_bodyOfSlot[slot] = i;
-        ReadStart(m_bodies[i], start);
+        ReadStart(m_bodies[i], start, !shift.isZero());
     }
     return status;
 }

@@ -5,6 +5,8 @@
 
 #include <BulletCollision/CollisionDispatch/btGhostObject.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
+#include <BulletSoftBody/btDeformableGravityForce.h>
+#include <BulletSoftBody/btDeformableMassSpringForce.h>
 #include <BulletSoftBody/btSoftBodyHelpers.h>
 #include <LinearMath/btDefaultMotionState.h>
 
@@ -294,6 +296,68 @@ START_TEST(a_cloth_at_rest_that_the_application_moves_stays_at_rest)
 }
 END_TEST
 
+/// Steps a world with a cloth on hills, moves all there is, and back. `world` has the hills already.
+template <class World> void CheckNewOrigin(World* world, btSoftBody* cloth)
+{
+    for (int step = 0; step < 120; step++)
+        world->stepSimulation(s_movedStep, 0);
+    for (const btVector3& by : {btVector3(30, 0, 1), btVector3(-30, 0, -1), btVector3(btScalar(0.3), 0, 0)})
+    {
+        for (int i = 0; i < world->getNumCollisionObjects(); i++)
+        {
+            btCollisionObject* object = world->getCollisionObjectArray()[i];
+            object->getWorldTransform().getOrigin() += by;
+            btTransform interpolated = object->getInterpolationWorldTransform();
+            interpolated.getOrigin() += by;
+            object->setInterpolationWorldTransform(interpolated);
+        }
+        cloth->translate(by);
+        std::vector<btVector3> before;
+        for (int i = 0; i < cloth->m_nodes.size(); i++)
+            before.push_back(cloth->m_nodes[i].m_x);
+        world->stepSimulation(s_movedStep, 0);
+        for (int i = 0; i < cloth->m_nodes.size(); i++)
+            ck_assert_double_lt(double(cloth->m_nodes[i].m_x.distance(before[size_t(i)])), 0.02);
+        for (int step = 0; step < 20; step++)
+            world->stepSimulation(s_movedStep, 0);
+    }
+}
+
+START_TEST(a_new_origin_of_the_world_leaves_a_cloth_on_its_ground)
+{
+    qcModel hills = qcFloorModel(30, 30);
+    for (size_t i = 0; i < hills.positions.size(); i += 3)
+        hills.positions[i + 1] = btScalar(0.3) * btSin(hills.positions[i] / 2) * btCos(hills.positions[i + 2] / 2);
+    auto makeCloth = [](btSoftBodyWorldInfo& info)
+    {
+        btSoftBody* cloth = btSoftBodyHelpers::CreatePatch(info, btVector3(-1, 1, -1), btVector3(1, 1, -1),
+                                                           btVector3(-1, 1, 1), btVector3(1, 1, 1), 13, 13, 0, true);
+        cloth->setTotalMass(1);
+        return cloth;
+    };
+    qcSoftWorld soft;
+    soft.AddMesh(hills, 0, btVector3(0, 0, 0));
+    soft.cloths.push_back(makeCloth(soft.world.getWorldInfo()));
+    soft.world.addSoftBody(soft.cloths[0]);
+    CheckNewOrigin(&soft.world, soft.cloths[0]);
+
+    auto shape = hills.MakeShape();
+    btRigidBody ground(0, nullptr, shape.get());
+    btDeformableMassSpringForce springs(30, 1, true);
+    btDeformableGravityForce gravity(btVector3(0, -10, 0));
+    qcDeformableTestWorld<qcDeformableWorld> deformable;
+    deformable.world->addRigidBody(&ground);
+    btSoftBody* cloth = makeCloth(deformable.world->getWorldInfo());
+    cloth->m_cfg.kDF = btScalar(0.5);
+    deformable.world->addSoftBody(cloth);
+    deformable.world->addForce(cloth, &springs);
+    deformable.world->addForce(cloth, &gravity);
+    deformable.cloths.push_back(cloth);
+    CheckNewOrigin(deformable.world.get(), cloth);
+    deformable.world->removeRigidBody(&ground);
+}
+END_TEST
+
 /// Removes the body in the world's user data, which no one else then moves.
 static void Remove(btDynamicsWorld* world, btScalar)
 {
@@ -374,6 +438,7 @@ QC_TEST_MAIN()
     tcase_add_test(tests, a_body_that_the_tick_callback_puts_elsewhere_sweeps_over_nothing);
     tcase_add_test(tests, a_body_that_the_solver_callback_puts_elsewhere_moves_from_there);
     tcase_add_test(tests, a_cloth_at_rest_that_the_application_moves_stays_at_rest);
+    tcase_add_test(tests, a_new_origin_of_the_world_leaves_a_cloth_on_its_ground);
     tcase_add_test(tests, a_cloth_that_falls_asleep_above_a_mesh_passes_it_neither_then_nor_later);
     tcase_add_test(tests, a_body_that_the_tick_callback_removes_holds_nothing);
     return qcRunCase("moved objects", tests);
