@@ -17,11 +17,23 @@ inline bool qcIsStatic(const btCollisionObject* object)
 /// True if the object's transform and velocities are finite.
 bool qcIsFinite(const btCollisionObject& object);
 
-/// True if a point has moved by a translation, up to rounding.
-inline bool qcIsTranslation(const btVector3& translation, const btVector3& from, const btVector3& to)
+/// A translation of all objects, with the rounding of a displacement by it.
+struct qcTranslation
 {
-    return (to - from - translation).length() <= 8 * SIMD_EPSILON * (from.length() + to.length());
-}
+    btVector3 by{0, 0, 0}; ///< zero: there is none
+    btScalar error = 0;
+
+    /// The rounding of the displacement of a point.
+    static btScalar ErrorOf(const btVector3& from, const btVector3& to)
+    {
+        return 8 * SIMD_EPSILON * (from.length() + to.length());
+    }
+    /// True if a point has moved by it, up to rounding.
+    bool IsOf(const btVector3& from, const btVector3& to) const
+    {
+        return (to - from - by).length() <= error + ErrorOf(from, to);
+    }
+};
 
 /// Half the diagonal of a shape's box.
 btScalar qcHalfSize(const btCollisionShape* shape);

@@ -250,8 +250,8 @@ struct qcMeshContactStatistics
 /// the end of a step in which a mesh has moved "qcMeshContact limit". Within are the stages of each query: see
 /// qcDetectDef::enterStage.
 ///
-/// Must outlive the world, but not until a dispatcher of another world lies at the address of its own. Thread-safety:
-/// the algorithms may run on several threads at once; the functions below belong
+/// Must outlive the world. Destroy it before another world's dispatcher is created, which may get the address of the old
+/// one. Thread-safety: the algorithms may run on several threads at once; the functions below belong
 /// to the world's thread.
 class QC_API qcMeshContact
 {

@@ -33,7 +33,8 @@ class qcBodyOrigins
     static bool IsThere(const btCollisionWorld& world, const Origin& origin)
     {
         const btCollisionObjectArray& objects = world.getCollisionObjectArray();
-        return origin.index < objects.size() && objects[origin.index] == origin.body;
+        return origin.index < objects.size() && objects[origin.index] == origin.body &&
+               btRigidBody::upcast(objects[origin.index]) != nullptr;
     }
     btVector3 StartOf(const Origin& origin, btScalar timeStep) const;
 

@@ -7,8 +7,7 @@ namespace
 {
 // Triangles and edges that rise more steeply than this cosine from the plane are seen as lines and points.
 constexpr btScalar s_steepFace = btScalar(0.3), s_steepEdge = btScalar(0.7);
-// With more vertices, only what of a mesh lies where the other one is takes part: to find that costs as much as some
-// vertices.
+// A mesh of more vertices is read only where it overlaps the other one: to find that costs as much as some vertices.
 constexpr uint32_t s_maxWhole = 64;
 
 /// Which triangles are over a place along the plane, and at what heights.

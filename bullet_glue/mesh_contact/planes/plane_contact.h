@@ -19,8 +19,8 @@ class qcPlaneContact
   public:
     /// Appends the contact points whose distance along the separation's axis is at most `distance`. Where no part of
     /// one mesh lies over the other: the closest points, if `orClosest`. False: there are none, or they are not known.
-    /// O(vertices + triangles), and of what is next to the plane the pairs that overlap along one axis of the plane. Of
-    /// large meshes only what lies where the other one is counts.
+    /// O(vertices + triangles), and of what is next to the plane the pairs that overlap along one axis of the plane.
+    /// Large meshes are read only where they overlap the other one.
     bool Find(const qcPlacedSupport& a, const qcPlacedSupport& b, const qcSeparation& separation, btScalar distance,
               bool orClosest, std::vector<qcMeshPoint>* points);
 

@@ -1,6 +1,7 @@
 // Pairs of small meshes that a plane separates. Why contact is searched this far: plugin/docs/mesh_contact.md.
 #include "mesh_contact/planes/plane_pairs.h"
 
+#include "common/object_motion.h"
 #include "common/parallel_loop.h"
 #include "mesh_contact/planes/touching_faces.h"
 
@@ -47,6 +48,12 @@ Approach ApproachOf(const qcRigidMotion& motionA, const qcPlacedSupport& a, cons
     const btVector3& centre = small.transform.getOrigin();
     return {(motionA.VelocityAt(centre) - motionB.VelocityAt(centre)) * timeStep,
             (motionA.angular - motionB.angular).length() * small.mesh->Radius() * timeStep};
+}
+
+/// True for static objects and rigid bodies; see qcRigidMotion.
+bool HasKnownMotion(const btCollisionObject* object)
+{
+    return qcIsStatic(object) || btRigidBody::upcast(object) != nullptr;
 }
 } // namespace
 
@@ -119,16 +126,19 @@ qcPlanePairs::Result qcPlanePairs::ComputePair(const qcBatchPair& duePair, size_
         distance = qcBatchScene::ContactDistance(a, b) + margins;
     result.pair = {slotA, slotB, false, worker, points.size(), points.size(), separation.gap};
     const bool isNear = separation.gap <= distance;
-    const Link link{sideA,   sideB, slotA,         slotB, {travelA <= spacing, travelB <= spacing}, isNear, separation,
-                    margins, rest,  approach.turn, index};
-    // Bodies that move across the plane may have passed each other when they reach it.
+    // A slow body may be stopped by others: the two meet where it is within what it moves.
+    const btScalar slow = (travelA <= spacing ? travelA : 0) + (travelB <= spacing ? travelB : 0);
+    const bool isFast = std::max(travelA, travelB) > spacing;
+    const Link link{sideA,   sideB, slotA,       slotB, {travelA <= spacing, travelB <= spacing}, isNear, separation,
+                    margins, rest,  rest + slow, index};
+    // Bodies that move across the plane may have passed each other when they reach it. Motions of links are not known.
     Meeting meeting{0, sideA, sideB, separation};
-    const bool passes = isNear && !turns && separation.gap > rest + a.lead + b.lead + margins &&
-                        closing >= separation.gap - margins && !Meet(link, &meeting);
+    const bool passes = isNear && !turns && isFast && separation.gap > rest + a.lead + b.lead + margins &&
+                        closing >= separation.gap - margins && HasKnownMotion(object0) && HasKnownMotion(object1) &&
+                        !Meet(link, &meeting);
     if (meeting.time > 0)
         distance = std::max(std::min(threshold, rest + a.maxClosing + b.maxClosing),
-                            rest + ClosingUntil(link, meeting.separation.axis, m_timeStep) -
-                                ClosingUntil(link, meeting.separation.axis, meeting.time)) +
+                            link.reach + ClosingAfter(link, meeting)) +
                    a.lead + b.lead + margins;
     if (result.isTouching && isNear)
         qcPlaneContact::AddTouching(sideA, sideB, separation, &points);
@@ -138,7 +148,7 @@ qcPlanePairs::Result qcPlanePairs::ComputePair(const qcBatchPair& duePair, size_
                             &m_workers[worker])))
         return result;
     result.pair.end = points.size();
-    if (!turns && std::max(travelA, travelB) > spacing && separation.gap <= rest + max + margins)
+    if (!turns && isFast && separation.gap <= rest + max + margins)
     {
         m_workers[worker].links.push_back(link);
         m_workers[worker].links.back().hasContact = isNear && !passes;
@@ -212,30 +222,91 @@ btTransform qcPlanePairs::PlaceAt(uint32_t slot, const btTransform& start, btSca
     return moved * centre.inverse() * start;
 }
 
-/// How much a pair has closed in along a direction at a time.
-btScalar qcPlanePairs::ClosingUntil(const Link& link, const btVector3& axis, btScalar time) const
+/// The ends of the parts of the step in which the bodies of a pair move evenly.
+std::array<btScalar, 3> qcPlanePairs::TimesOf(const Link& link) const
 {
-    const Body &a = m_bodies[link.slotA], &b = m_bodies[link.slotB];
-    return (a.motion.linear * std::min(time, a.stopTime) - b.motion.linear * std::min(time, b.stopTime)).dot(axis) +
-           link.turn * time / m_timeStep;
+    std::array<btScalar, 3> times = {std::min(m_bodies[link.slotA].stopTime, m_timeStep),
+                                     std::min(m_bodies[link.slotB].stopTime, m_timeStep), m_timeStep};
+    std::sort(times.begin(), times.end());
+    return times;
 }
 
-/// The first time at which a pair may have closed in by a gap along a direction since another time; BT_LARGE_FLOAT: not
-/// in this step.
-btScalar qcPlanePairs::TimeOfClosing(const Link& link, const btVector3& axis, btScalar since, btScalar gap) const
+/// The motion of a body right after a time, about its place at an earlier one.
+qcRigidMotion qcPlanePairs::MotionAt(uint32_t slot, btScalar since, btScalar time) const
 {
-    btScalar times[3] = {m_bodies[link.slotA].stopTime, m_bodies[link.slotB].stopTime, m_timeStep};
-    std::sort(times, times + 3);
-    const btScalar before = ClosingUntil(link, axis, since);
-    btScalar from = since, closed = 0;
-    for (btScalar to : times)
+    const Body& body = m_bodies[slot];
+    qcRigidMotion motion = time < body.stopTime ? body.motion : qcRigidMotion();
+    motion.centre = body.motion.centre + body.motion.linear * std::min(since, body.stopTime);
+    return motion;
+}
+
+/// Upper bound of the mean speed, from a time of the step to its end, at which a pair closes in along the axis of a
+/// meeting: by the motion of the smaller mesh relative to the larger one, where it is.
+btScalar qcPlanePairs::ClosingSpeed(const Link& link, const Meeting& since, btScalar time) const
+{
+    const qcRigidMotion motionA = MotionAt(link.slotA, since.time, time),
+                        motionB = MotionAt(link.slotB, since.time, time);
+    const qcPlacedSupport& small = since.a.mesh->Radius() < since.b.mesh->Radius() ? since.a : since.b;
+    const btVector3& place = small.transform.getOrigin();
+    const btVector3 relative = motionA.VelocityAt(place) - motionB.VelocityAt(place);
+    const btScalar radius = small.mesh->Radius(), turnA = motionA.angular.length(), turnB = motionB.angular.length();
+    const btScalar far = (place - motionA.centre).length() + (place - motionB.centre).length() + radius;
+    // Velocities of turning bodies change within the step.
+    const btScalar acceleration = (turnA * turnA + turnB * turnB) * far +
+                                  2 * std::max(turnA, turnB) * (relative.length() + radius * (turnA + turnB));
+    return relative.dot(since.separation.axis) + (motionA.angular - motionB.angular).length() * radius +
+           acceleration * (m_timeStep - since.time) / 2;
+}
+
+/// Upper bound of how far a pair closes in along the axis of a meeting until the end of the step.
+btScalar qcPlanePairs::ClosingAfter(const Link& link, const Meeting& since) const
+{
+    btScalar from = since.time, closed = 0, largest = 0;
+    for (btScalar to : TimesOf(link))
     {
-        to = std::min(to, m_timeStep);
+        closed += to > from ? ClosingSpeed(link, since, from) * (to - from) : btScalar(0);
+        largest = std::max(largest, closed);
+        from = std::max(from, to);
+    }
+    return largest;
+}
+
+/// The first time at which a pair may have closed in by a gap along the axis of a meeting; BT_LARGE_FLOAT: not in this
+/// step.
+btScalar qcPlanePairs::TimeOfClosing(const Link& link, const Meeting& since, btScalar gap) const
+{
+    btScalar from = since.time, closed = 0;
+    for (btScalar to : TimesOf(link))
+    {
         if (to <= from)
             continue;
-        const btScalar next = ClosingUntil(link, axis, to) - before;
+        const btScalar next = closed + ClosingSpeed(link, since, from) * (to - from);
         if (next >= gap)
             return from + (to - from) * (gap - closed) / (next - closed);
+        from = to;
+        closed = next;
+    }
+    return BT_LARGE_FLOAT;
+}
+
+/// How much a pair has closed in along its axis at a time.
+btScalar qcPlanePairs::ClosingUntil(const Link& link, btScalar time) const
+{
+    const Body &a = m_bodies[link.slotA], &b = m_bodies[link.slotB];
+    return (a.motion.linear * std::min(time, a.stopTime) - b.motion.linear * std::min(time, b.stopTime))
+        .dot(link.separation.axis);
+}
+
+/// When a pair reaches the plane between the two; BT_LARGE_FLOAT: not in this step.
+btScalar qcPlanePairs::TouchTime(const Link& link) const
+{
+    const btScalar gap = std::max(link.separation.gap - link.margins, btScalar(0));
+    btScalar from = 0, closed = 0;
+    for (btScalar to : TimesOf(link))
+    {
+        const btScalar next = ClosingUntil(link, to);
+        if (next > gap && next > closed)
+            return closed >= gap ? from : from + (to - from) * (gap - closed) / (next - closed);
         from = to;
         closed = next;
     }
@@ -250,10 +321,10 @@ bool qcPlanePairs::Meet(const Link& link, Meeting* meeting) const
     *meeting = {0, link.a, link.b, link.separation};
     for (int i = 0; i < s_maxAdvances; i++)
     {
-        const btScalar gap = meeting->separation.gap - link.margins - link.rest;
+        const btScalar gap = meeting->separation.gap - link.margins - link.reach;
         if (gap <= 0)
             return true;
-        meeting->time = TimeOfClosing(link, meeting->separation.axis, meeting->time, gap);
+        meeting->time = TimeOfClosing(link, *meeting, gap);
         if (meeting->time > m_timeStep)
             return false;
         meeting->a.transform = PlaceAt(link.slotA, link.a.transform, meeting->time);
@@ -292,20 +363,23 @@ bool qcPlanePairs::FindPointsOf(const Link& link, const Meeting& meeting, btScal
 /// if a body has been stopped earlier than before.
 bool qcPlanePairs::FollowLink(Link* link)
 {
-    Meeting meeting;
-    if (!Meet(*link, &meeting))
+    btScalar time = TouchTime(*link);
+    if (time > m_timeStep)
         return false;
-    const btScalar time = meeting.time;
+    // What is not next to each other at the start may pass each other.
+    Meeting meeting{0, link->a, link->b, link->separation};
+    if (link->separation.gap > link->rest + link->margins && !Meet(*link, &meeting))
+        return false;
+    time = std::max(time, meeting.time);
     if (!link->hasContact)
     {
         Pair& pair = m_results[link->pair].pair;
         Worker& worker = m_workers[pair.worker];
-        const btVector3& axis = meeting.separation.axis;
-        const btScalar closing = ClosingUntil(*link, axis, m_timeStep),
-                       left = closing - ClosingUntil(*link, axis, time);
+        const btScalar closing = ClosingUntil(*link, m_timeStep),
+                       left = meeting.time > 0 ? ClosingAfter(*link, meeting) : closing;
         size_t begin = worker.points.size();
         link->hasContact = true;
-        if (!FindPointsOf(*link, meeting, left + link->rest + link->margins, false, &worker))
+        if (!FindPointsOf(*link, meeting, left + link->reach + link->margins, false, &worker))
         {
             link->separation.gap = BT_LARGE_FLOAT; // they pass each other
             return false;

@@ -6,6 +6,8 @@
 #include "mesh_contact/planes/plane_contact.h"
 #include "mesh_contact/scene/batch_scene.h"
 
+#include <array>
+
 class qcPlanePairs
 {
   public:
@@ -68,8 +70,8 @@ class qcPlanePairs
         bool hasContact;       ///< its points are known
         qcSeparation separation;
         btScalar margins, rest;
-        btScalar turn; ///< upper bound of how far they close in by turning, in a step
-        size_t pair;   ///< index of the step's pair
+        btScalar reach; ///< `rest`, and what a body moves whose motion does not count since others may stop it
+        size_t pair;    ///< index of the step's pair
     };
 
     /// What has been computed of a pair of the step.
@@ -105,8 +107,13 @@ class qcPlanePairs
     void Follow();
     void CollectPairs();
     btTransform PlaceAt(uint32_t slot, const btTransform& start, btScalar time) const;
-    btScalar ClosingUntil(const Link& link, const btVector3& axis, btScalar time) const;
-    btScalar TimeOfClosing(const Link& link, const btVector3& axis, btScalar since, btScalar gap) const;
+    std::array<btScalar, 3> TimesOf(const Link& link) const;
+    qcRigidMotion MotionAt(uint32_t slot, btScalar since, btScalar time) const;
+    btScalar ClosingSpeed(const Link& link, const Meeting& since, btScalar time) const;
+    btScalar ClosingAfter(const Link& link, const Meeting& since) const;
+    btScalar TimeOfClosing(const Link& link, const Meeting& since, btScalar gap) const;
+    btScalar ClosingUntil(const Link& link, btScalar time) const;
+    btScalar TouchTime(const Link& link) const;
     bool Meet(const Link& link, Meeting* meeting) const;
     bool FindPointsOf(const Link& link, const Meeting& meeting, btScalar distance, bool orClosest,
                       Worker* worker) const;

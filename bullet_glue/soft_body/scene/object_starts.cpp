@@ -49,20 +49,19 @@ std::pair<qcObjectStarts::State*, bool> qcObjectStarts::FindOrAdd(const qcObject
 }
 
 /// True if something has moved by a translation, up to rounding.
-bool qcObjectStarts::IsShift(const btVector3& translation, const btTransform& from, const btTransform& to)
+bool qcObjectStarts::IsShift(const qcTranslation& translation, const btTransform& from, const btTransform& to)
 {
-    return qcIsTranslation(translation, from.getOrigin(), to.getOrigin()) &&
-           qcAreSame(from.getBasis()[0], to.getBasis()[0]) && qcAreSame(from.getBasis()[1], to.getBasis()[1]) &&
-           qcAreSame(from.getBasis()[2], to.getBasis()[2]);
+    return translation.IsOf(from.getOrigin(), to.getOrigin()) && qcAreSame(from.getBasis()[0], to.getBasis()[0]) &&
+           qcAreSame(from.getBasis()[1], to.getBasis()[1]) && qcAreSame(from.getBasis()[2], to.getBasis()[2]);
 }
 
-bool qcObjectStarts::AreShiftedBy(const btVector3& translation, const qcBroadphases& broadphases) const
+bool qcObjectStarts::AreShiftedBy(const qcTranslation& translation, const qcBroadphases& broadphases) const
 {
     bool areShifted = true;
     auto check = [&](btCollisionObject* object, btBroadphaseInterface*)
     {
         auto found = areShifted ? m_states.find(qcObjectKey(object)) : m_states.end();
-        if (found == m_states.end() || found->second.step != m_step)
+        if (found == m_states.end() || found->second.step != m_step || object->isKinematicObject())
             return;
         const State& state = found->second;
         areShifted = IsShift(translation, state.end, IsDynamic(object) ? state.begin : object->getWorldTransform());
@@ -87,7 +86,7 @@ void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep, co
         state.motion.setZero();
         return;
     }
-    const bool isShifted = !m_shift.isZero() && IsShift(m_shift, state.end, isDynamic ? state.begin : now);
+    const bool isShifted = !m_shift.by.isZero() && IsShift(m_shift, state.end, isDynamic ? state.begin : now);
     if (isNew)
         state.start = now;
     else if (isShifted)
@@ -104,7 +103,11 @@ void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep, co
             state.start = now;
     }
     else
-        state.start = qcIsMotion(object, state.end, now, state.motion, timeStep) ? state.end : now;
+    {
+        btTransform last = state.end;
+        last.getOrigin() += m_shift.by;
+        state.start = qcIsMotion(object, last, now, state.motion, timeStep) ? last : now;
+    }
     // The application has given it finite values within the step.
     if (!qcIsFinite(state.start))
         state.start = now;

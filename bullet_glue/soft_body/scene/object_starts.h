@@ -4,6 +4,7 @@
 #define QC_GLUE_SOFT_BODY_SCENE_OBJECT_STARTS_H
 
 #include "common/object_key.h"
+#include "common/object_motion.h"
 #include "common/rigid_limits.h"
 #include "soft_body/scene/objects_in_box.h"
 
@@ -25,11 +26,12 @@ class qcObjectStarts
     /// Reads again where the application has left these bodies, after its callbacks within the step.
     void ReadBegin(const qcBroadphases& broadphases);
     /// True if the application has moved all objects that were there by one translation since the previous step.
+    /// Kinematic ones may move in addition.
     /// O(objects).
-    bool AreShiftedBy(const btVector3& translation, const qcBroadphases& broadphases) const;
+    bool AreShiftedBy(const qcTranslation& translation, const qcBroadphases& broadphases) const;
     /// From now on what the application has moved by this translation since the previous step was put where it is, in
-    /// this step: the origin of the world is another one. Zero: it is not.
-    void SetShift(const btVector3& translation)
+    /// this step: the origin of the world is another one.
+    void SetShift(const qcTranslation& translation)
     {
         m_shift = translation;
     }
@@ -95,7 +97,7 @@ class qcObjectStarts
     };
 
     std::pair<State*, bool> FindOrAdd(const qcObjectKey& key);
-    static bool IsShift(const btVector3& translation, const btTransform& from, const btTransform& to);
+    static bool IsShift(const qcTranslation& translation, const btTransform& from, const btTransform& to);
     static Moved MakeMoved(btCollisionObject* object, const btTransform& from);
     void ReadObject(btCollisionObject* object, btScalar timeStep, const qcRigidLimits* limits);
 
@@ -104,8 +106,8 @@ class qcObjectStarts
     std::vector<Present> m_present;
     std::vector<Moved> m_moved;
     const btCollisionObject* m_notFinite = nullptr;
-    btVector3 m_shift{0, 0, 0}; ///< see SetShift
-    size_t m_count = 0;         ///< objects read in this step
+    qcTranslation m_shift; ///< see SetShift
+    size_t m_count = 0;    ///< objects read in this step
     uint64_t m_step = 0;
 };
 

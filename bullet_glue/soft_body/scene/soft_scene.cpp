@@ -168,11 +168,10 @@ qcStatus qcSoftBodyScene::CreateScene()
 }
 
 /// The translation by which the application has moved all objects since the previous step, as for a new origin of the
-/// world; zero: it has not.
-btVector3 qcSoftBodyScene::FindShift(const qcBroadphases& broadphases, btVector3 btSoftBody::Node::*start) const
+/// world.
+qcTranslation qcSoftBodyScene::FindShift(const qcBroadphases& broadphases, btVector3 btSoftBody::Node::*start) const
 {
-    const btVector3 none(0, 0, 0);
-    btVector3 shift = none;
+    qcTranslation shift;
     for (const qcSceneSoftBody& tracked : m_bodies)
     {
         if (!tracked.hasEnd || tracked.positions.size() != size_t(tracked.NodeCount()))
@@ -180,14 +179,14 @@ btVector3 qcSoftBodyScene::FindShift(const qcBroadphases& broadphases, btVector3
         auto member = tracked.body->isActive() ? start : &btSoftBody::Node::m_x;
         for (size_t n = 0; n < tracked.positions.size(); n++)
         {
-            const btVector3& now = tracked.body->m_nodes[int(n)].*member;
-            if (shift.isZero())
-                shift = now - tracked.positions[n];
-            if (shift.isZero() || !qcIsTranslation(shift, tracked.positions[n], now))
-                return none;
+            const btVector3 &last = tracked.positions[n], &now = tracked.body->m_nodes[int(n)].*member;
+            if (shift.by.isZero())
+                shift = {now - last, qcTranslation::ErrorOf(last, now)};
+            if (shift.by.isZero() || !shift.IsOf(last, now))
+                return qcTranslation();
         }
     }
-    return !shift.isZero() && meshes.Starts().AreShiftedBy(shift, broadphases) ? shift : none;
+    return !shift.by.isZero() && meshes.Starts().AreShiftedBy(shift, broadphases) ? shift : qcTranslation();
 }
 
 /// `isShifted`: the application has moved the origin of the world.
@@ -277,7 +276,7 @@ qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, 
         }
         status = Track(bodies[i]);
     }
-    const btVector3 shift = FindShift(BroadphasesOf(bodies), start);
+    const qcTranslation shift = FindShift(BroadphasesOf(bodies), start);
     meshes.Starts().SetShift(shift);
     // What is tracked is whole, also where another body could not be added.
     m_bodyOfSlot.clear();
@@ -287,7 +286,7 @@ qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, 
         if (slot >= m_bodyOfSlot.size())
             m_bodyOfSlot.resize(slot + 1, SIZE_MAX);
         m_bodyOfSlot[slot] = i;
-        ReadStart(m_bodies[i], start, !shift.isZero());
+        ReadStart(m_bodies[i], start, !shift.by.isZero());
     }
     return status;
 }

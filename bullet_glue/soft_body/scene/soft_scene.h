@@ -99,7 +99,7 @@ class qcSoftBodyScene
     qcStatus Track(btSoftBody* body);
     void UntrackRemoved(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start);
     void LeaveOut(const btSoftBody* body);
-    btVector3 FindShift(const qcBroadphases& broadphases, btVector3 btSoftBody::Node::*start) const;
+    qcTranslation FindShift(const qcBroadphases& broadphases, btVector3 btSoftBody::Node::*start) const;
     void ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::Node::*start, bool isShifted);
     qcSoftBodySettings TakeSettings(const qcSceneSoftBody& tracked);
     void ApplySettings(qcSceneSoftBody& tracked);

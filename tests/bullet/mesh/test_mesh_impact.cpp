@@ -573,6 +573,28 @@ START_TEST(what_flies_past_an_edge_is_not_deflected)
 }
 END_TEST
 
+START_TEST(the_end_of_a_plank_that_turns_meets_a_box_in_the_step_in_which_it_reaches_it)
+{
+    constexpr double turn = 1.5, reach = 2.8, half = 0.171875; // the last in binary
+    for (int phase = 0; phase < 16; phase++)
+    {
+        // It closes in the first or the second step, after a part of it.
+        const int step = 1 + phase / 8;
+        const double part = 0.1 + 0.1 * (phase % 8), gap = turn * (reach + half) / 60 * (step - 1 + part);
+        qcMeshWorld world;
+        world.world.setGravity(btVector3(0, 0, 0));
+        const btVector3 size(3, btScalar(0.05), btScalar(0.3)), box(half, half, half);
+        btRigidBody* plank = world.Add(world.Keep(qcBoxModel(size, 1).MakeShape()), 1000, btVector3(0, 0, 0));
+        const btVector3 above(btScalar(reach), size.y() + btScalar(half + 0.02 + gap), 0);
+        btRigidBody* small = world.Add(world.Keep(qcBoxModel(box, 1).MakeShape()), 1, above);
+        plank->setAngularVelocity(btVector3(0, 0, btScalar(turn)));
+        world.Step(step);
+        ck_assert_double_gt(double(small->getLinearVelocity().y()), 0.5 * (1 - part) * turn * reach);
+        ck_assert_int_eq(world.contact.getStatistics().unproven, 0);
+    }
+}
+END_TEST
+
 START_TEST(what_falls_past_a_ledge_is_not_deflected)
 {
     for (int i = 0; i < 8; i++)
@@ -729,6 +751,7 @@ QC_TEST_MAIN()
     tcase_add_test(tests, a_rod_that_spins_out_of_reach_of_a_plane_meets_nothing);
     tcase_add_loop_test(tests, what_flies_past_an_edge_is_not_deflected, 0, int(std::size(s_speeds)));
     tcase_add_test(tests, what_falls_past_a_ledge_is_not_deflected);
+    tcase_add_test(tests, the_end_of_a_plank_that_turns_meets_a_box_in_the_step_in_which_it_reaches_it);
     tcase_add_test(tests, meshes_bounce_in_a_world_that_runs_no_actions);
     tcase_add_test(tests, a_body_pushed_after_a_query_is_queried_again);
     tcase_add_test(tests, velocities_that_are_not_finite_disturb_no_other_body);

@@ -311,6 +311,9 @@ template <class World> void CheckNewOrigin(World* world, btSoftBody* cloth)
             interpolated.getOrigin() += by;
             object->setInterpolationWorldTransform(interpolated);
         }
+        for (int i = 0; i < world->getNumCollisionObjects(); i++)
+            if (world->getCollisionObjectArray()[i]->isKinematicObject())
+                world->getCollisionObjectArray()[i]->getWorldTransform().getOrigin() += btVector3(0, btScalar(0.01), 0);
         cloth->translate(by);
         std::vector<btVector3> before;
         for (int i = 0; i < cloth->m_nodes.size(); i++)
@@ -339,6 +342,9 @@ START_TEST(a_new_origin_of_the_world_leaves_a_cloth_on_its_ground)
     soft.AddMesh(hills, 0, btVector3(0, 0, 0));
     soft.cloths.push_back(makeCloth(soft.world.getWorldInfo()));
     soft.world.addSoftBody(soft.cloths[0]);
+    // An object that moves by itself, far away.
+    btRigidBody* mover = soft.AddMesh(qcFloorModel(1, 1), 0, btVector3(-20, 5, 0));
+    mover->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
     CheckNewOrigin(&soft.world, soft.cloths[0]);
 
     auto shape = hills.MakeShape();
