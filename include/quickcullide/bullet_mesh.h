@@ -250,9 +250,9 @@ struct qcMeshContactStatistics
 /// the end of a step in which a mesh has moved "qcMeshContact limit". Within are the stages of each query: see
 /// qcDetectDef::enterStage.
 ///
-/// Must outlive the world. Destroy it before another world's dispatcher is created, which may get the address of the old
-/// one. Thread-safety: the algorithms may run on several threads at once; the functions below belong
-/// to the world's thread.
+/// Must outlive the world. Destroy it before another world's dispatcher is created, which may get the address of the
+/// old one. Thread-safety: the algorithms may run on several threads at once; the functions below belong to the world's
+/// thread.
 class QC_API qcMeshContact
 {
   public:
