@@ -5,7 +5,6 @@
 #include "common/object_key.h"
 #include "common/object_motion.h"
 #include "common/shape_triangles.h"
-#include "soft_body/scene/objects_in_box.h"
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
@@ -16,9 +15,6 @@
 
 namespace
 {
-// Up to so many objects are compared with a soft body's box one by one. A query of the broadphase, which has the other
-// soft bodies too, takes as long as some 200 comparisons (qc-bench soft --demos, 256 sticks).
-constexpr size_t s_maxCompared = 64;
 // Bullet gives a kinematic body the velocity of its motion in all substeps, though it moves in the first alone, and in
 // its first step one as if it came from the origin. One that is in place for more steps than that has its velocity from
 // the application.
@@ -63,13 +59,6 @@ bool IsStepped(const btMultiBody& multibody)
     for (int i = 0; i < multibody.getNumLinks(); i++)
         sleeps = sleeps || Sleeps(multibody.getLinkCollider(i));
     return !sleeps;
-}
-
-/// True if the object may have meshes.
-bool MayHaveMeshes(const btCollisionObject* object, bool withSurfaces)
-{
-    const btCollisionShape* shape = object->getCollisionShape();
-    return shape->isCompound() || qcAsMeshShape(shape) != nullptr || (withSurfaces && qcHasSurface(shape));
 }
 
 qcStatus AddMesh(qcScene* scene, const qcSceneRigid& rigid, qcSceneMesh* mesh)
@@ -133,59 +122,8 @@ void qcSoftBodyMeshes::ReadMotions(const qcBroadphases& broadphases, btScalar ti
 {
     m_timeStep = timeStep;
     m_starts.Read(broadphases, timeStep, limits);
-    m_candidates.clear();
-    for (const qcObjectStarts::Present& present : m_starts.Objects())
-        if (MayHaveMeshes(present.object, true))
-            m_candidates.push_back(present);
-    m_reshaped.Read(m_candidates, m_surfaces);
-    m_collectedBoxes.clear();
-}
-
-void qcSoftBodyMeshes::CollectOverlapping(btBroadphaseInterface* broadphase, const btVector3& lower,
-                                          const btVector3& upper, bool withSurfaces)
-{
-    m_collectedBoxes.push_back({lower, upper});
-    auto add = [&](btCollisionObject* object)
-    {
-        if (MayHaveMeshes(object, withSurfaces) && qcIsFinite(*object))
-            m_overlaps.push_back({object, withSurfaces, {lower, upper}});
-    };
-    if (m_candidates.size() > s_maxCompared)
-        qcForEachObjectIn(broadphase, lower, upper, add);
-    else
-        for (const qcObjectStarts::Present& present : m_candidates)
-        {
-            const btBroadphaseProxy* proxy = present.object->getBroadphaseHandle();
-            if (present.broadphase == broadphase &&
-                TestAabbAgainstAabb2(proxy->m_aabbMin, proxy->m_aabbMax, lower, upper))
-                add(present.object);
-        }
-    m_starts.ForEachMoved(lower, upper, add);
-}
-
-/// Leaves one overlap for each object, in the order in which they were added to the world.
-void qcSoftBodyMeshes::MergeOverlaps()
-{
-    auto isBefore = [](const Overlap& a, const Overlap& b) { return qcUniqueIdOf(a.object) < qcUniqueIdOf(b.object); };
-    std::stable_sort(m_overlaps.begin(), m_overlaps.end(), isBefore);
-    size_t count = 0;
-    for (const Overlap& overlap : m_overlaps)
-    {
-        // Objects of two broadphases may have one id.
-        size_t same = count;
-        while (same > 0 && !isBefore(m_overlaps[same - 1], overlap) && m_overlaps[same - 1].object != overlap.object)
-            same--;
-        if (same == 0 || m_overlaps[same - 1].object != overlap.object)
-        {
-            m_overlaps[count++] = overlap;
-            continue;
-        }
-        Overlap& merged = m_overlaps[same - 1];
-        merged.withSurfaces = merged.withSurfaces || overlap.withSurfaces;
-        merged.box[0].setMin(overlap.box[0]);
-        merged.box[1].setMax(overlap.box[1]);
-    }
-    m_overlaps.resize(count);
+    m_overlaps.Begin(m_starts);
+    m_reshaped.Read(m_overlaps.Candidates(), m_surfaces);
 }
 
 /// The object as it was in the previous step; null: not known.
@@ -229,29 +167,17 @@ void qcSoftBodyMeshes::ForEachPlaced(const qcBroadphases& broadphases,
                     });
 }
 
-/// True if the object is one of the overlaps.
-bool qcSoftBodyMeshes::IsCollected(const btCollisionObject* object) const
-{
-    return std::any_of(m_overlaps.begin(), m_overlaps.end(),
-                       [object](const Overlap& overlap) { return overlap.object == object; });
-}
-
 /// Adds overlaps of objects whose triangles have passed boxes of soft bodies since the previous step.
 void qcSoftBodyMeshes::AddReshaped()
 {
-    const size_t count = m_overlaps.size();
     for (btCollisionObject* object : m_reshaped.Objects())
     {
         btVector3 motion[2];
-        auto isPassed = [&motion](const std::array<btVector3, 2>& box)
-        { return TestAabbAgainstAabb2(motion[0], motion[1], box[0], box[1]); };
-        if (!IsCollected(object) && IsReshaped(object, motion) &&
-            std::any_of(m_collectedBoxes.begin(), m_collectedBoxes.end(), isPassed))
-            m_overlaps.push_back({object, true, {motion[0], motion[1]}});
+        if (!m_overlaps.Has(object) && IsReshaped(object, motion) && m_overlaps.IsNear(motion))
+            m_overlaps.Add({object, true, {motion[0], motion[1]}});
     }
-    m_collectedBoxes.clear();
-    if (m_overlaps.size() > count)
-        MergeOverlaps();
+    m_overlaps.ForgetBoxes();
+    m_overlaps.Merge();
 }
 
 /// Keeps the meshes of objects whose triangles the application moves and that are near no soft body. Contacts may move
@@ -261,10 +187,10 @@ void qcSoftBodyMeshes::KeepReshaped()
     std::vector<std::unique_ptr<qcSceneRigid>> away;
     for (btCollisionObject* object : m_reshaped.Objects())
     {
-        if (IsCollected(object))
+        if (m_overlaps.Has(object))
             continue;
         const btBroadphaseProxy* proxy = object->getBroadphaseHandle();
-        const Overlap overlap{object, true, {proxy->m_aabbMin, proxy->m_aabbMax}};
+        const qcRigidOverlap overlap{object, true, {proxy->m_aabbMin, proxy->m_aabbMax}};
         std::unique_ptr<qcSceneRigid> rigid = MakeRigid(overlap);
         auto isSame = [&](const std::unique_ptr<qcSceneRigid>& last) {
             return last && last->object == object && last->uniqueId == rigid->uniqueId &&
@@ -320,7 +246,7 @@ bool qcSoftBodyMeshes::FindTransform(const qcSceneRigid& rigid, const qcSceneMes
 }
 
 /// The box around the soft bodies near an object over the step, in the frame of a shape of the object.
-void qcSoftBodyMeshes::FindBox(const Overlap& overlap, const btTransform& local, btVector3 box[2]) const
+void qcSoftBodyMeshes::FindBox(const qcRigidOverlap& overlap, const btTransform& local, btVector3 box[2]) const
 {
     btVector3 start[2];
     ToFrame(overlap.object->getWorldTransform() * local, overlap.box, box);
@@ -330,7 +256,7 @@ void qcSoftBodyMeshes::FindBox(const Overlap& overlap, const btTransform& local,
 }
 
 /// True if the object's surfaces, where they were read by region, have what lies near the soft bodies.
-bool qcSoftBodyMeshes::Cover(const qcSceneRigid& rigid, const Overlap& overlap) const
+bool qcSoftBodyMeshes::Cover(const qcSceneRigid& rigid, const qcRigidOverlap& overlap) const
 {
     for (const qcSceneShape& shape : rigid.shapes)
     {
@@ -345,7 +271,7 @@ bool qcSoftBodyMeshes::Cover(const qcSceneRigid& rigid, const Overlap& overlap) 
 }
 
 /// Finds the surfaces of an object's shapes near the soft bodies, and its meshes.
-void qcSoftBodyMeshes::FindMeshes(qcSceneRigid* rigid, const Overlap& overlap)
+void qcSoftBodyMeshes::FindMeshes(qcSceneRigid* rigid, const qcRigidOverlap& overlap)
 {
     for (size_t i = 0; i < rigid->shapes.size(); i++)
     {
@@ -373,7 +299,7 @@ void qcSoftBodyMeshes::FindMeshes(qcSceneRigid* rigid, const Overlap& overlap)
 }
 
 /// An object with its shapes that have triangles, and without meshes yet.
-std::unique_ptr<qcSceneRigid> qcSoftBodyMeshes::MakeRigid(const Overlap& overlap) const
+std::unique_ptr<qcSceneRigid> qcSoftBodyMeshes::MakeRigid(const qcRigidOverlap& overlap) const
 {
     std::unique_ptr<qcSceneRigid> rigid(new qcSceneRigid);
     rigid->object = overlap.object;
@@ -386,11 +312,11 @@ std::unique_ptr<qcSceneRigid> qcSoftBodyMeshes::MakeRigid(const Overlap& overlap
 /// The collected objects that have meshes. Those that are tracked already, unchanged, are moved out of m_rigids.
 std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
 {
-    MergeOverlaps();
-    AddLinks();
+    m_overlaps.Merge();
+    m_overlaps.AddLinks();
     AddReshaped();
     std::vector<std::unique_ptr<qcSceneRigid>> rigids;
-    for (const Overlap& overlap : m_overlaps)
+    for (const qcRigidOverlap& overlap : m_overlaps.All())
     {
         std::unique_ptr<qcSceneRigid> rigid = MakeRigid(overlap);
         if (rigid->shapes.empty())
@@ -420,7 +346,7 @@ std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
             rigids.push_back(std::move(rigid));
     }
     KeepReshaped();
-    m_overlaps.clear();
+    m_overlaps.Clear();
     return rigids;
 }
 
@@ -446,30 +372,6 @@ void qcSoftBodyMeshes::FindMultiBody(qcSceneRigid* rigid)
     rigid->multibody = (*found)->CanMove(link) ? found->get() : nullptr;
     rigid->link = link;
     rigid->isFixed = (*found)->HasReturned();
-}
-
-/// Adds overlaps of the other links of multibodies: pushes on one link move all.
-void qcSoftBodyMeshes::AddLinks()
-{
-    const size_t count = m_overlaps.size();
-    for (size_t i = 0; i < count; i++)
-    {
-        const btMultiBodyLinkCollider* link = qcAsLink(m_overlaps[i].object);
-        for (int k = -1; link != nullptr && k < link->m_multiBody->getNumLinks(); k++)
-        {
-            btMultiBody& multibody = *link->m_multiBody;
-            btMultiBodyLinkCollider* other = k < 0 ? multibody.getBaseCollider() : multibody.getLinkCollider(k);
-            if (other != nullptr && other->getBroadphaseHandle() != nullptr &&
-                MayHaveMeshes(other, m_overlaps[i].withSurfaces) && qcIsFinite(*other) && !IsCollected(other))
-            {
-                Overlap overlap = m_overlaps[i];
-                overlap.object = other;
-                m_overlaps.push_back(overlap);
-            }
-        }
-    }
-    if (m_overlaps.size() > count)
-        MergeOverlaps();
 }
 
 /// Appends the object, with its meshes in the scene. After a failure it is not tracked, and none of them is there.
@@ -530,15 +432,15 @@ bool qcSoftBodyMeshes::MayMiss() const
     auto isInPart = [](const qcSceneShape& shape) { return shape.surface != nullptr && !shape.surface->isWhole; };
     auto hasParts = [&](const std::unique_ptr<qcSceneRigid>& rigid)
     { return std::any_of(rigid->shapes.begin(), rigid->shapes.end(), isInPart); };
-    return m_candidates.size() > m_rigids.size() || std::any_of(m_rigids.begin(), m_rigids.end(), hasParts);
+    return m_overlaps.Candidates().size() > m_rigids.size() || std::any_of(m_rigids.begin(), m_rigids.end(), hasParts);
 }
 
 qcStatus qcSoftBodyMeshes::Extend(qcScene* scene, bool* added)
 {
     qcStatus status = qc_statusOk;
-    MergeOverlaps();
-    AddLinks();
-    for (const Overlap& overlap : m_overlaps)
+    m_overlaps.Merge();
+    m_overlaps.AddLinks();
+    for (const qcRigidOverlap& overlap : m_overlaps.All())
     {
         // An object that contacts move is in the scene once.
         auto isThere = [&](const std::unique_ptr<qcSceneRigid>& rigid)
@@ -559,7 +461,7 @@ qcStatus qcSoftBodyMeshes::Extend(qcScene* scene, bool* added)
         status = Track(scene, std::move(rigid));
         *added = true;
     }
-    m_overlaps.clear();
+    m_overlaps.Clear();
     if (*added)
         IndexSlots();
     return status;

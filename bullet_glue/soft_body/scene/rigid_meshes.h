@@ -6,9 +6,9 @@
 #include "soft_body/scene/lone_bodies.h"
 #include "soft_body/scene/object_starts.h"
 #include "soft_body/scene/reshaped_objects.h"
+#include "soft_body/scene/rigid_overlaps.h"
 #include "soft_body/scene/scene_rigid.h"
 
-#include <array>
 #include <memory>
 #include <unordered_map>
 #include <vector>
@@ -43,7 +43,10 @@ class qcSoftBodyMeshes
     /// Collects the objects with meshes whose proxies or motions over the step overlap this box, for the next Sync.
     /// `withSurfaces`: also objects without a qcMeshShape.
     void CollectOverlapping(btBroadphaseInterface* broadphase, const btVector3& lower, const btVector3& upper,
-                            bool withSurfaces);
+                            bool withSurfaces)
+    {
+        m_overlaps.Collect(m_starts, broadphase, lower, upper, withSurfaces);
+    }
     /// See qcSurfaceCache.
     void Forget(const btCollisionShape* shape)
     {
@@ -93,39 +96,26 @@ class qcSoftBodyMeshes
     }
 
   private:
-    /// An object near a soft body.
-    struct Overlap
-    {
-        btCollisionObject* object;
-        bool withSurfaces;
-        btVector3 box[2]; ///< around the soft bodies near it
-    };
-
-    void MergeOverlaps();
     bool IsReshaped(const btCollisionObject* object, btVector3 box[2]) const;
-    bool IsCollected(const btCollisionObject* object) const;
     void AddReshaped();
     void KeepReshaped();
     qcSceneRigid* FindLast(const btCollisionObject* object) const;
     std::vector<qcSceneShape> ShapesOf(const btCollisionObject* object, bool withSurfaces) const;
-    void FindBox(const Overlap& overlap, const btTransform& local, btVector3 box[2]) const;
-    bool Cover(const qcSceneRigid& rigid, const Overlap& overlap) const;
-    void FindMeshes(qcSceneRigid* rigid, const Overlap& overlap);
-    std::unique_ptr<qcSceneRigid> MakeRigid(const Overlap& overlap) const;
+    void FindBox(const qcRigidOverlap& overlap, const btTransform& local, btVector3 box[2]) const;
+    bool Cover(const qcSceneRigid& rigid, const qcRigidOverlap& overlap) const;
+    void FindMeshes(qcSceneRigid* rigid, const qcRigidOverlap& overlap);
+    std::unique_ptr<qcSceneRigid> MakeRigid(const qcRigidOverlap& overlap) const;
     std::vector<std::unique_ptr<qcSceneRigid>> TakeTracked();
     void FindMultiBody(qcSceneRigid* rigid);
-    void AddLinks();
     qcStatus Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid);
     void IndexSlots();
     void RecordEnds();
 
     btScalar m_timeStep = 0;
     qcObjectStarts m_starts;
-    std::vector<qcObjectStarts::Present> m_candidates; ///< the objects of the step that may have meshes
     qcSurfaceCache m_surfaces;
     qcReshapedObjects m_reshaped;
-    std::vector<Overlap> m_overlaps;
-    std::vector<std::array<btVector3, 2>> m_collectedBoxes; ///< of CollectOverlapping, for the next Sync
+    qcRigidOverlaps m_overlaps;
     /// Objects whose triangles the application moves, in no scene, at the end of the previous step.
     std::vector<std::unique_ptr<qcSceneRigid>> m_away;
     /// By unique id, in the order in which they were added; then those of Extend.
