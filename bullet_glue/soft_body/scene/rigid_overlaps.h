@@ -26,7 +26,7 @@ class qcRigidOverlaps
         return m_candidates;
     }
     /// Adds the objects whose proxies or motions over the step overlap the box of a soft body. `withSurfaces`: also
-    /// those without a qcMeshShape. The same object may be added more than once.
+    /// those without a qcMeshShape. An object may be added more than once.
     void Collect(const qcObjectStarts& starts, btBroadphaseInterface* broadphase, const btVector3& lower,
                  const btVector3& upper, bool withSurfaces);
     /// True if a box overlaps one of Collect's since Begin or ForgetBoxes.
