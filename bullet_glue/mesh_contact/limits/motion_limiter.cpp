@@ -3,6 +3,7 @@
 
 #include "common/stopwatch.h"
 #include "mesh_contact/limits/limited_velocities.h"
+#include "mesh_contact/planes/separating_axis.h"
 
 #include <BulletDynamics/Dynamics/btDynamicsWorld.h>
 #include <LinearMath/btQuickprof.h>
