@@ -5,6 +5,8 @@
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletCollision/CollisionShapes/btCollisionShape.h>
 
+#include <algorithm>
+
 class btRigidBody;
 
 /// True if the object does not move: static, and not kinematic. Bodies without mass that are made kinematic have both
@@ -17,21 +19,28 @@ inline bool qcIsStatic(const btCollisionObject* object)
 /// True if the object's transform and velocities are finite.
 bool qcIsFinite(const btCollisionObject& object);
 
-/// A translation of all objects, with the rounding of a displacement by it.
+// Rounding of a place, as a part of its distance from the origin.
+constexpr btScalar qcPlaceRounding = 8 * SIMD_EPSILON;
+
+/// A translation of many points. A new origin of the world moves all by one, and none against another.
 struct qcTranslation
 {
     btVector3 by{0, 0, 0}; ///< zero: there is none
-    btScalar error = 0;
+    btScalar error = 0;    ///< of a displacement, by the rounding of the points that were added
 
-    /// The rounding of the displacement of a point.
-    static btScalar ErrorOf(const btVector3& from, const btVector3& to)
+    /// Takes the displacement of a point; the first one decides. False: it has another one, or none.
+    bool Add(const btVector3& from, const btVector3& to, btScalar rounding = qcPlaceRounding)
     {
-        return 8 * SIMD_EPSILON * (from.length() + to.length());
+        error = std::max(error, rounding * (from.length() + to.length()));
+        if (by.isZero())
+            by = to - from;
+        return by.length() > error && (to - from - by).length() <= error;
     }
-    /// True if a point has moved by it, up to rounding.
+    /// True if a point has moved by the translation, up to rounding.
     bool IsOf(const btVector3& from, const btVector3& to) const
     {
-        return (to - from - by).length() <= error + ErrorOf(from, to);
+        return by.length() > error &&
+               (to - from - by).length() <= std::max(error, qcPlaceRounding * (from.length() + to.length()));
     }
 };
 

@@ -1,13 +1,12 @@
 // Connected components of the graph of body pairs.
 #include "sweep/islands.h"
 
-#include "base/aabb.h"
 #include "base/status.h"
 #include "base/union_find.h"
+#include "mesh/triangle_sample.h"
 
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 
 enum
 {
@@ -68,28 +67,18 @@ qcStatus qcIslands_Find(const qcStepTriangles* triangles, const qcBodyPairs* pai
     return qc_statusOk;
 }
 
-static int CompareLengths(const void* a, const void* b)
-{
-    double x = *(const double*)a, y = *(const double*)b;
-    return (x > y) - (x < y);
-}
-
 /// About the length of a body's triangles: the median of some, or by the body's box where its positions are on a device
 /// only.
 static double TriangleLength(const qcBody* body)
 {
-    double lengths[qc_sampledTriangles];
     if (body->snapshot != NULL || body->triangleCount < qc_sampledTriangles)
         return qcBounds_Widest(body->lower, body->upper) / sqrt(body->triangleCount);
+    qcTriangleSample sample;
+    sample.count = qc_sampledTriangles;
     for (uint32_t i = 0; i < qc_sampledTriangles; i++)
-    {
-        double corners[3][3], lower[3], upper[3];
-        qcBody_GetTriangle(body, (uint32_t)((uint64_t)i * body->triangleCount / qc_sampledTriangles), corners);
-        qcBounds_OfTriangle(corners, lower, upper);
-        lengths[i] = qcBounds_Widest(lower, upper);
-    }
-    qsort(lengths, qc_sampledTriangles, sizeof lengths[0], CompareLengths);
-    return lengths[qc_sampledTriangles / 2];
+        qcBody_GetTriangle(body, (uint32_t)((uint64_t)i * body->triangleCount / qc_sampledTriangles),
+                           sample.corners[i]);
+    return qcTriangleSample_MedianSize(&sample);
 }
 
 void qcIslands_FindFinest(qcIslands* islands, const qcStepTriangles* triangles)

@@ -27,7 +27,7 @@ plugin/broadphase           plugin/base
 plugin/sweep/bvh            plugin/base plugin/mesh plugin/scene plugin/kernels
 plugin/cull/visibility      plugin/base plugin/plan plugin/scene plugin/gl/visibility
 plugin/cull/layers          plugin/base plugin/mesh plugin/scene plugin/kernels plugin/gl plugin/gl/buffers plugin/gl/layers
-plugin/sweep                plugin/base plugin/plan plugin/scene plugin/kernels plugin/sweep/bvh
+plugin/sweep                plugin/base plugin/plan plugin/mesh plugin/scene plugin/kernels plugin/sweep/bvh
 plugin/narrowphase          plugin/base plugin/mesh plugin/scene plugin/triangle plugin/kernels plugin/sweep
 plugin/manifold             plugin/base plugin/scene plugin/triangle
 plugin/recording            plugin/base plugin/scene

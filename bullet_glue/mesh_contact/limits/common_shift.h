@@ -2,6 +2,7 @@
 #ifndef QC_GLUE_MESH_CONTACT_LIMITS_COMMON_SHIFT_H
 #define QC_GLUE_MESH_CONTACT_LIMITS_COMMON_SHIFT_H
 
+#include "common/object_motion.h"
 #include "mesh_contact/limits/swept_object.h"
 
 /// Where the rigid bodies are that Bullet moves, also those that limits have no need to look at.
@@ -42,20 +43,11 @@ class qcBodyOrigins
     bool m_isMarked = false;
 };
 
-/// A new origin of the world moves all objects by one translation, and none against another.
-struct qcCommonShift
-{
-    btVector3 by{0, 0, 0}; ///< zero: there is none
-    btScalar error = 0;    ///< of a displacement, by rounding
-
-    /// The translation of all bodies that Bullet moves since the previous step: of these objects, and of the others.
-    static qcCommonShift Find(const std::vector<qcSweptObject*>& objects, const qcBodyOrigins& others,
-                              const btCollisionWorld& world, btScalar timeStep);
-    /// True if an object that was at `from` has moved by the translation alone.
-    bool IsOf(const btTransform& from, const btTransform& to) const;
-
-  private:
-    bool Add(const btVector3& from, const btVector3& to, btScalar rounding);
-};
+/// The translation by which the application has moved all bodies that Bullet moves since the previous step: these
+/// objects, and the others. None if there is none.
+qcTranslation qcFindCommonShift(const std::vector<qcSweptObject*>& objects, const qcBodyOrigins& others,
+                                const btCollisionWorld& world, btScalar timeStep);
+/// True if an object that was at `from` has moved by a translation alone.
+bool qcIsTranslated(const qcTranslation& translation, const btTransform& from, const btTransform& to);
 
 #endif

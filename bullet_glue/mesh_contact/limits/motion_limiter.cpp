@@ -316,7 +316,7 @@ void qcMotionLimiter::Cut(int round)
             Hold(block.pair);
         m_cut.insert(numbers);
     }
-    m_objects.MultiBodies().Move();
+    m_objects.MultiBodies().ForAll(&qcSweptMultiBody::Move);
     m_islands.Move();
 }
 
@@ -476,7 +476,7 @@ qcStatus qcMotionLimiter::Certify()
             for (int sweep = 0; sweep < sweeps; sweep++)
             {
                 m_planes.SolveOnce();
-                m_objects.MultiBodies().CommitPushes();
+                m_objects.MultiBodies().ForAll(&qcSweptMultiBody::CommitPushes);
             }
         }
         cuts += done == Round::cut;

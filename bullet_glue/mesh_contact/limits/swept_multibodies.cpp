@@ -49,38 +49,8 @@ void qcSweptMultiBodies::ReturnToStart(const btCollisionObject* link, std::vecto
         multibody->ForEachCollider([moved](const btCollisionObject* collider) { moved->push_back(collider); });
 }
 
-void qcSweptMultiBodies::ReadTargets()
-{
-    for (auto& [body, multibody] : m_multibodies)
-        multibody->ReadTarget();
-}
-
-void qcSweptMultiBodies::StartWherePut()
-{
-    for (auto& [body, multibody] : m_multibodies)
-        multibody->StartWherePut();
-}
-
-void qcSweptMultiBodies::CommitPushes()
-{
-    for (auto& [body, multibody] : m_multibodies)
-        multibody->CommitPushes();
-}
-
-void qcSweptMultiBodies::Move()
-{
-    for (auto& [body, multibody] : m_multibodies)
-        multibody->Move();
-}
-
 void qcSweptMultiBodies::UpdateVelocities()
 {
     for (auto& [body, multibody] : m_multibodies)
         multibody->UpdateVelocities(Gravity());
-}
-
-void qcSweptMultiBodies::RecordEnds()
-{
-    for (auto& [body, multibody] : m_multibodies)
-        multibody->RecordEnd();
 }

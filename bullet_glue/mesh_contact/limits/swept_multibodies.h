@@ -25,14 +25,14 @@ class qcSweptMultiBodies
     /// Returns the multibody of a link to the start of the step, if that is known. If it was not there, all its links
     /// are appended to `moved`.
     void ReturnToStart(const btCollisionObject* link, std::vector<const btCollisionObject*>* moved);
-    /// Each of these calls the function of qcSweptMultiBody for all.
-    void ReadTargets();
-    void StartWherePut();
-    void CommitPushes();
-    void Move();
-    void UpdateVelocities();
-    void RecordEnds();
-    /// Calls function(collider) for all links of multibodies that were pushed or cut since ReadTargets.
+    void UpdateVelocities(); ///< of all; see qcSweptMultiBody
+    /// Calls a function of qcSweptMultiBody for all: ForAll(&qcSweptMultiBody::Move).
+    void ForAll(void (qcSweptMultiBody::*function)())
+    {
+        for (auto& [body, multibody] : m_multibodies)
+            (*multibody.*function)();
+    }
+    /// Calls function(collider) for all links of multibodies that were pushed or cut since ReadTarget.
     template <typename Function> void ForEachLimitedLink(Function function) const
     {
         for (const auto& [body, multibody] : m_multibodies)

@@ -14,6 +14,13 @@
 #include <algorithm>
 #include <optional>
 
+/// The body, if Bullet moves it; null otherwise.
+inline btRigidBody* qcDynamicBody(btCollisionObject* object)
+{
+    btRigidBody* body = btRigidBody::upcast(object);
+    return body != nullptr && !body->isStaticOrKinematicObject() && body->getInvMass() > 0 ? body : nullptr;
+}
+
 /// What of an object is tested as a hull.
 struct qcSweptHull
 {

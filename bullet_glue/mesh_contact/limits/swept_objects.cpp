@@ -48,13 +48,6 @@ void ReadShape(qcSweptObject* swept, bool gimpact)
     qcForEachSimpleShape(swept->object->getCollisionShape(), btTransform::getIdentity(), read);
 }
 
-/// The body, if Bullet moves it.
-btRigidBody* DynamicBody(btCollisionObject* object)
-{
-    btRigidBody* body = btRigidBody::upcast(object);
-    return body != nullptr && !body->isStaticOrKinematicObject() && body->getInvMass() > 0 ? body : nullptr;
-}
-
 /// True if Bullet has moved the body in this step, by its present velocities.
 bool IsIntegrated(const btRigidBody& body)
 {
@@ -140,7 +133,7 @@ void qcSweptObjects::MarkStarts()
     btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
     for (int i = 0; i < objects.size(); i++)
     {
-        const btRigidBody* body = DynamicBody(objects[i]);
+        const btRigidBody* body = qcDynamicBody(objects[i]);
         if (body == nullptr)
             continue;
         if (qcMayHoldMeshes(objects[i]->getCollisionShape()) || (m_coreCount > 0 && Find(objects[i]) != nullptr))
@@ -250,7 +243,7 @@ bool qcSweptObjects::TakesCores(const btCollisionObject* object)
         return false;
     if (object->isKinematicObject())
         return m_anyFreeMesh;
-    if (!qcIsStatic(object) && DynamicBody(const_cast<btCollisionObject*>(object)) == nullptr &&
+    if (!qcIsStatic(object) && qcDynamicBody(const_cast<btCollisionObject*>(object)) == nullptr &&
         qcAsLink(object) == nullptr)
         return false;
     const qcSweptObject* known = m_coreCount > 0 ? Find(object) : nullptr;
@@ -295,7 +288,7 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
     qcSweptObject& swept = *Add(object);
     swept.step = m_step;
     swept.isHeld = swept.isPaired = false;
-    swept.body = DynamicBody(object);
+    swept.body = qcDynamicBody(object);
     const btMultiBodyLinkCollider* asLink = qcAsLink(object);
     swept.owner = asLink != nullptr ? asLink->m_multiBody : nullptr;
     swept.multibody = m_multibodies.Find(object);
@@ -343,7 +336,7 @@ void qcSweptObjects::Hold(const btCollisionObject* object)
 
 bool qcSweptObjects::ReadTargets(const qcStartFunction& startOf, qcScene* scene)
 {
-    m_multibodies.ReadTargets();
+    m_multibodies.ForAll(&qcSweptMultiBody::ReadTarget);
     const bool anyMoved = ReadObjects(scene);
     // Convex shapes that soft bodies have made fast have not been read before in this step.
     for (qcSweptObject* swept : m_sorted)
@@ -407,7 +400,7 @@ bool qcSweptObjects::ReadObjects(qcScene* scene)
 /// Where the application has moved all objects, it has not moved the bases of multibodies against others.
 void qcSweptObjects::StartWherePut()
 {
-    m_multibodies.StartWherePut();
+    m_multibodies.ForAll(&qcSweptMultiBody::StartWherePut);
     for (qcSweptObject* swept : m_sorted)
         if (const qcSweptMultiBody* multibody = m_multibodies.Find(swept->object))
             swept->start = multibody->StartOf(swept->object);
@@ -453,7 +446,7 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
         if (!isMarked && swept->body != nullptr && (swept->isNew || !qcAreSame(swept->start, swept->target)))
             FindStart(timeStep, swept);
     }
-    const qcCommonShift shift = qcCommonShift::Find(m_sorted, m_origins, *m_settings.world, timeStep);
+    const qcTranslation shift = qcFindCommonShift(m_sorted, m_origins, *m_settings.world, timeStep);
     if (!shift.by.isZero())
         StartWherePut();
     bool anyMoved = false;
@@ -462,7 +455,7 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
     {
         btVector3 motion = swept->target.getOrigin() - swept->start.getOrigin();
         if (!swept->IsFree() && !qcAreSame(swept->start, swept->target) &&
-            (shift.IsOf(swept->start, swept->target) || HasJumped(*swept) ||
+            (qcIsTranslated(shift, swept->start, swept->target) || HasJumped(*swept) ||
              !qcIsMotion(swept->object, swept->start, swept->target, swept->motion, timeStep)))
             swept->start = swept->target;
         swept->motion = motion;
@@ -514,7 +507,7 @@ void qcSweptObjects::FindPairs(qcScene* scene, std::vector<qcSweptPair>* pairs)
 
 void qcSweptObjects::RecordEnds()
 {
-    m_multibodies.RecordEnds();
+    m_multibodies.ForAll(&qcSweptMultiBody::RecordEnd);
     for (qcSweptObject* swept : m_sorted)
     {
         swept->next = swept->last = swept->object->getWorldTransform();

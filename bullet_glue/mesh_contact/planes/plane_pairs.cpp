@@ -41,10 +41,15 @@ struct Approach
     }
 };
 
+const qcPlacedSupport& SmallerOf(const qcPlacedSupport& a, const qcPlacedSupport& b)
+{
+    return a.mesh->Radius() < b.mesh->Radius() ? a : b;
+}
+
 Approach ApproachOf(const qcRigidMotion& motionA, const qcPlacedSupport& a, const qcRigidMotion& motionB,
                     const qcPlacedSupport& b, btScalar timeStep)
 {
-    const qcPlacedSupport& small = a.mesh->Radius() < b.mesh->Radius() ? a : b;
+    const qcPlacedSupport& small = SmallerOf(a, b);
     const btVector3& centre = small.transform.getOrigin();
     return {(motionA.VelocityAt(centre) - motionB.VelocityAt(centre)) * timeStep,
             (motionA.angular - motionB.angular).length() * small.mesh->Radius() * timeStep};
@@ -105,19 +110,20 @@ qcPlanePairs::Result qcPlanePairs::ComputePair(const qcBatchPair& duePair, size_
     btScalar spacing = std::max(threshold, s_maxTurn * std::min(meshA->Radius(), meshB->Radius()));
     btScalar travelA = motionA.MaxSpeed(meshA->Radius()) * m_timeStep,
              travelB = motionB.MaxSpeed(meshB->Radius()) * m_timeStep;
-    // The two may meet within this distance, or if others stop one of them.
-    btScalar distance = std::min(threshold, rest + a.maxClosing + b.maxClosing), max = approach.Max();
+    // The two may meet within these distances, or if others stop one of them.
+    const btScalar always = std::min(threshold, rest + a.maxClosing + b.maxClosing), lead = a.lead + b.lead;
+    btScalar max = approach.Max();
     if (std::max(travelA, travelB) > spacing)
         max = std::max({max, travelA, travelB});
     btVector3 guess = m_cache.GetAxis(object0, sideA.transform, object1, sideB.transform);
     qcSeparation separation;
     result.isTouching = guess.fuzzyZero() && qcFindTouchingFaces(sideA, sideB, &separation);
     if (!result.isTouching)
-        separation = qcFindSeparation(sideA, sideB, guess, std::max(distance, rest + max) + a.lead + b.lead + margins,
+        separation = qcFindSeparation(sideA, sideB, guess, std::max(always, rest + max) + lead + margins,
                                       qcFaceSlack * threshold);
     m_cache.KeepAxis(object0, sideA.transform, object1, sideB.transform, separation.axis);
     btScalar closing = approach.Along(separation.axis);
-    distance = std::max(distance, rest + closing) + a.lead + b.lead + margins;
+    btScalar distance = std::max(always, rest + closing) + lead + margins;
     // Two that turn touch elsewhere than where they are nearest: samples follow the motion.
     const bool turns = !result.isTouching && separation.gap <= distance && approach.turn > spacing;
     if (turns && std::max(meshA->Triangles().count, meshB->Triangles().count) <= s_fewTriangles)
@@ -127,19 +133,16 @@ qcPlanePairs::Result qcPlanePairs::ComputePair(const qcBatchPair& duePair, size_
     result.pair = {slotA, slotB, false, worker, points.size(), points.size(), separation.gap};
     const bool isNear = separation.gap <= distance;
     // A slow body may be stopped by others: the two meet where it is within what it moves.
-    const btScalar slow = (travelA <= spacing ? travelA : 0) + (travelB <= spacing ? travelB : 0);
-    const bool isFast = std::max(travelA, travelB) > spacing;
-    const Link link{sideA,   sideB, slotA,       slotB, {travelA <= spacing, travelB <= spacing}, isNear, separation,
-                    margins, rest,  rest + slow, index};
+    const bool isSlowA = travelA <= spacing, isSlowB = travelB <= spacing, isFast = !isSlowA || !isSlowB;
+    const btScalar slow = (isSlowA ? travelA : 0) + (isSlowB ? travelB : 0);
+    Link link{sideA, sideB, slotA, slotB, {isSlowA, isSlowB}, false, separation, margins, rest, rest + slow, index};
     // Bodies that move across the plane may have passed each other when they reach it. Motions of links are not known.
     Meeting meeting{0, sideA, sideB, separation};
-    const bool passes = isNear && !turns && isFast && separation.gap > rest + a.lead + b.lead + margins &&
+    const bool passes = isNear && !turns && isFast && separation.gap > rest + lead + margins &&
                         closing >= separation.gap - margins && HasKnownMotion(object0) && HasKnownMotion(object1) &&
                         !Meet(link, &meeting);
     if (meeting.time > 0)
-        distance = std::max(std::min(threshold, rest + a.maxClosing + b.maxClosing),
-                            link.reach + ClosingAfter(link, meeting)) +
-                   a.lead + b.lead + margins;
+        distance = std::max(always, link.reach + ClosingAfter(link, meeting)) + lead + margins;
     if (result.isTouching && isNear)
         qcPlaneContact::AddTouching(sideA, sideB, separation, &points);
     else if (isNear && !passes &&
@@ -148,11 +151,9 @@ qcPlanePairs::Result qcPlanePairs::ComputePair(const qcBatchPair& duePair, size_
                             &m_workers[worker])))
         return result;
     result.pair.end = points.size();
+    link.hasContact = isNear && !passes;
     if (!turns && isFast && separation.gap <= rest + max + margins)
-    {
         m_workers[worker].links.push_back(link);
-        m_workers[worker].links.back().hasContact = isNear && !passes;
-    }
     if (slotA > slotB)
     {
         std::swap(result.pair.low, result.pair.high);
@@ -246,16 +247,15 @@ btScalar qcPlanePairs::ClosingSpeed(const Link& link, const Meeting& since, btSc
 {
     const qcRigidMotion motionA = MotionAt(link.slotA, since.time, time),
                         motionB = MotionAt(link.slotB, since.time, time);
-    const qcPlacedSupport& small = since.a.mesh->Radius() < since.b.mesh->Radius() ? since.a : since.b;
+    const Approach speed = ApproachOf(motionA, since.a, motionB, since.b, 1);
+    const qcPlacedSupport& small = SmallerOf(since.a, since.b);
     const btVector3& place = small.transform.getOrigin();
-    const btVector3 relative = motionA.VelocityAt(place) - motionB.VelocityAt(place);
     const btScalar radius = small.mesh->Radius(), turnA = motionA.angular.length(), turnB = motionB.angular.length();
     const btScalar far = (place - motionA.centre).length() + (place - motionB.centre).length() + radius;
     // Velocities of turning bodies change within the step.
     const btScalar acceleration = (turnA * turnA + turnB * turnB) * far +
-                                  2 * std::max(turnA, turnB) * (relative.length() + radius * (turnA + turnB));
-    return relative.dot(since.separation.axis) + (motionA.angular - motionB.angular).length() * radius +
-           acceleration * (m_timeStep - since.time) / 2;
+                                  2 * std::max(turnA, turnB) * (speed.linear.length() + radius * (turnA + turnB));
+    return speed.linear.dot(since.separation.axis) + speed.turn + acceleration * (m_timeStep - since.time) / 2;
 }
 
 /// Upper bound of how far a pair closes in along the axis of a meeting until the end of the step.
@@ -313,12 +313,11 @@ btScalar qcPlanePairs::TouchTime(const Link& link) const
     return BT_LARGE_FLOAT;
 }
 
-/// Finds where two hulls come as near as contact at rest, by conservative advancement (Mirtich: Impulse-based dynamic
-/// simulation of rigid body systems, 1996): they can't meet before they have closed in by the gap between them. False:
-/// not in this step, they pass each other.
+/// Finds where two hulls come as near as contact at rest, from the start of the step, which `meeting` has, by
+/// conservative advancement (Mirtich: Impulse-based dynamic simulation of rigid body systems, 1996): they can't meet
+/// before they have closed in by the gap between them. False: not in this step, they pass each other.
 bool qcPlanePairs::Meet(const Link& link, Meeting* meeting) const
 {
-    *meeting = {0, link.a, link.b, link.separation};
     for (int i = 0; i < s_maxAdvances; i++)
     {
         const btScalar gap = meeting->separation.gap - link.margins - link.reach;

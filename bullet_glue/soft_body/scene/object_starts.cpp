@@ -43,8 +43,11 @@ std::pair<qcObjectStarts::State*, bool> qcObjectStarts::FindOrAdd(const qcObject
     if (place < m_order.size() && m_order[place].first == key)
         return {m_order[place].second, false};
     auto [found, isNew] = m_states.emplace(key, State());
-    m_order.resize(std::max(m_order.size(), place + 1), {key, &found->second});
-    m_order[place] = {key, &found->second};
+    // Each place is visited in its turn.
+    if (place == m_order.size())
+        m_order.emplace_back(key, &found->second);
+    else
+        m_order[place] = {key, &found->second};
     return {&found->second, isNew};
 }
 
@@ -86,7 +89,7 @@ void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep, co
         state.motion.setZero();
         return;
     }
-    const bool isShifted = !m_shift.by.isZero() && IsShift(m_shift, state.end, isDynamic ? state.begin : now);
+    const bool isShifted = IsShift(m_shift, state.end, isDynamic ? state.begin : now);
     if (isNew)
         state.start = now;
     else if (isShifted)

@@ -2,6 +2,7 @@
 #include "soft_body/scene/rigid_meshes.h"
 
 #include "common/compound_children.h"
+#include "common/first_error.h"
 #include "common/object_key.h"
 #include "common/object_motion.h"
 #include "common/shape_triangles.h"
@@ -170,6 +171,7 @@ void qcSoftBodyMeshes::ForEachPlaced(const qcBroadphases& broadphases,
 /// Adds overlaps of objects whose triangles have passed boxes of soft bodies since the previous step.
 void qcSoftBodyMeshes::AddReshaped()
 {
+    const size_t count = m_overlaps.All().size();
     for (btCollisionObject* object : m_reshaped.Objects())
     {
         btVector3 motion[2];
@@ -177,7 +179,8 @@ void qcSoftBodyMeshes::AddReshaped()
             m_overlaps.Add({object, true, {motion[0], motion[1]}});
     }
     m_overlaps.ForgetBoxes();
-    m_overlaps.Merge();
+    if (m_overlaps.All().size() > count)
+        m_overlaps.Merge();
 }
 
 /// Keeps the meshes of objects whose triangles the application moves and that are near no soft body. Contacts may move
@@ -418,11 +421,7 @@ qcStatus qcSoftBodyMeshes::Sync(qcScene* scene)
     m_surfaces.EndStep();
     qcStatus status = qc_statusOk;
     for (std::unique_ptr<qcSceneRigid>& rigid : rigids)
-    {
-        qcStatus tracked = Track(scene, std::move(rigid));
-        if (status == qc_statusOk)
-            status = tracked;
-    }
+        status = qcFirstError(status, Track(scene, std::move(rigid)));
     IndexSlots();
     return status;
 }

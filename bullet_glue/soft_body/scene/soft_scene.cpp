@@ -178,13 +178,8 @@ qcTranslation qcSoftBodyScene::FindShift(const qcBroadphases& broadphases, btVec
             continue;
         auto member = tracked.body->isActive() ? start : &btSoftBody::Node::m_x;
         for (size_t n = 0; n < tracked.positions.size(); n++)
-        {
-            const btVector3 &last = tracked.positions[n], &now = tracked.body->m_nodes[int(n)].*member;
-            if (shift.by.isZero())
-                shift = {now - last, qcTranslation::ErrorOf(last, now)};
-            if (shift.by.isZero() || !shift.IsOf(last, now))
+            if (!shift.Add(tracked.positions[n], tracked.body->m_nodes[int(n)].*member))
                 return qcTranslation();
-        }
     }
     return !shift.by.isZero() && meshes.Starts().AreShiftedBy(shift, broadphases) ? shift : qcTranslation();
 }

@@ -230,4 +230,13 @@ inline qcModel qcFloorModel(double half, int n)
     return model;
 }
 
+/// Such a square with gentle hills.
+inline qcModel qcHillsModel(double half, int n)
+{
+    qcModel model = qcFloorModel(half, n);
+    for (size_t i = 0; i < model.positions.size(); i += 3)
+        model.positions[i + 1] = btScalar(0.3) * btSin(model.positions[i] / 2) * btCos(model.positions[i + 2] / 2);
+    return model;
+}
+
 #endif

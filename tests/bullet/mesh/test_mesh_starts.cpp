@@ -147,9 +147,7 @@ START_TEST(a_new_origin_of_the_world_moves_nothing_in_it)
     for (int wait = 30; wait < 330; wait += 20)
     {
         qcMeshWorld world;
-        qcModel hills = qcFloorModel(20, 20);
-        for (size_t i = 0; i < hills.positions.size(); i += 3)
-            hills.positions[i + 1] = btScalar(0.3) * btSin(hills.positions[i] / 2) * btCos(hills.positions[i + 2] / 2);
+        const qcModel hills = qcHillsModel(20, 20);
         world.Add(world.Keep(hills.MakeShape()), 0, btVector3(0, 0, 0));
         for (int i = 0; i < 3; i++)
             world.Add(areMeshes ? world.Keep(qcBoxModel(half, 1).MakeShape())
