@@ -73,6 +73,15 @@ template <class Box> inline bool qcOverlap(const Box* a, const Box* b)
     return TestAabbAgainstAabb2(a->m_aabbMin, a->m_aabbMax, b->m_aabbMin, b->m_aabbMax);
 }
 
+/// True for a box that reaches to Bullet's largest number on all sides.
+inline bool qcHoldsWorld(const btVector3& aabbMin, const btVector3& aabbMax)
+{
+    bool holds = true;
+    for (int i = 0; i < 3; i++)
+        holds = holds && aabbMin[i] <= -BT_LARGE_FLOAT && aabbMax[i] >= BT_LARGE_FLOAT;
+    return holds;
+}
+
 /// Group and mask packed into one number, for a single comparison.
 inline uint64_t qcFilterOf(const btBroadphaseProxy* proxy)
 {

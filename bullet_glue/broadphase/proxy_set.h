@@ -54,7 +54,8 @@ class qcProxySet
     /// Ends the interval between two searches.
     void EndInterval();
 
-    /// Calls visit(qcProxy*) for each proxy whose box overlaps the given one.
+    /// Calls visit(qcProxy*) for each proxy whose box overlaps the given one. A box that reaches to Bullet's largest
+    /// number on all sides gets them in the order of the list, without the tree.
     template <class Visit> void VisitBox(const btVector3& aabbMin, const btVector3& aabbMax, Visit visit) const;
     /// Calls visit(qcProxy*) for each proxy that is not in the set of boxes.
     template <class Visit> void VisitOutside(Visit visit) const;
@@ -181,6 +182,12 @@ template <class Visit> void qcProxySet::VisitBox(const btVector3& aabbMin, const
         if (!proxy->state().destroyed && TestAabbAgainstAabb2(proxy->m_aabbMin, proxy->m_aabbMax, aabbMin, aabbMax))
             visit(proxy);
     };
+    if (qcHoldsWorld(aabbMin, aabbMax))
+    {
+        for (int i = 0, count = m_count; i < count; i++)
+            test(m_entries[i].proxy);
+        return;
+    }
     auto function = [](uint32_t, void* proxy, void* context)
     {
         (*static_cast<decltype(test)*>(context))(static_cast<qcProxy*>(proxy));

@@ -22,6 +22,16 @@ bool IsDynamic(const btCollisionObject* object)
 {
     return (btRigidBody::upcast(object) != nullptr || IsLink(object)) && !object->isStaticOrKinematicObject();
 }
+
+/// True if the object is at a finite transform, with finite velocities. Those of a static one are not used away from
+/// soft bodies.
+bool RestsAt(const btTransform& at, const btCollisionObject& object)
+{
+    if (!qcAreSame(at, object.getWorldTransform()))
+        return false;
+    const btRigidBody* body = object.isStaticObject() ? nullptr : btRigidBody::upcast(&object);
+    return body == nullptr || (qcIsFinite(body->getLinearVelocity()) && qcIsFinite(body->getAngularVelocity()));
+}
 } // namespace
 
 /// The object, with the box of its motion from a transform to its present one.
@@ -36,19 +46,37 @@ qcObjectStarts::Moved qcObjectStarts::MakeMoved(btCollisionObject* object, const
     return moved;
 }
 
-/// The state of an object, and whether it is new. Broadphases mostly name the objects in the same order.
-std::pair<qcObjectStarts::State*, bool> qcObjectStarts::FindOrAdd(const qcObjectKey& key)
+/// The place of an object that is visited as the index-th one, or null. Broadphases mostly name the objects in the same
+/// order.
+qcObjectStarts::Place* qcObjectStarts::FindPlace(const btCollisionObject* object, size_t index)
 {
-    const size_t place = m_present.size() - 1;
-    if (place < m_order.size() && m_order[place].first == key)
-        return {m_order[place].second, false};
-    auto [found, isNew] = m_states.emplace(key, State());
+    return index < m_places.size() && m_places[index].key == qcObjectKey(object) ? &m_places[index] : nullptr;
+}
+
+/// The place of the last object of m_present, and whether its state is new.
+std::pair<qcObjectStarts::Place*, bool> qcObjectStarts::FindOrAdd(const btCollisionObject* object)
+{
+    const size_t index = m_present.size() - 1;
+    if (Place* place = FindPlace(object, index))
+        return {place, false};
+    const qcObjectKey key(object);
+    auto [found, isNew] = m_states.try_emplace(key);
+    State& state = found->second;
+    state.place = index;
+    const Place place{key, &state, false, btTransform::getIdentity()};
     // Each place is visited in its turn.
-    if (place == m_order.size())
-        m_order.emplace_back(key, &found->second);
+    if (index == m_places.size())
+        m_places.push_back(place);
     else
-        m_order[place] = {key, &found->second};
-    return {&found->second, isNew};
+        m_places[index] = place;
+    return {&m_places[index], isNew};
+}
+
+/// Its next step reads the whole state.
+void qcObjectStarts::Wake(const State& state)
+{
+    if (state.place < m_places.size() && m_places[state.place].state == &state)
+        m_places[state.place].rests = false;
 }
 
 /// True if something has moved by a translation, up to rounding.
@@ -64,7 +92,7 @@ bool qcObjectStarts::AreShiftedBy(const qcTranslation& translation, const qcBroa
     auto check = [&](btCollisionObject* object, btBroadphaseInterface*)
     {
         auto found = areShifted ? m_states.find(qcObjectKey(object)) : m_states.end();
-        if (found == m_states.end() || found->second.step != m_step || object->isKinematicObject())
+        if (found == m_states.end() || found->second.step == 0 || object->isKinematicObject())
             return;
         const State& state = found->second;
         areShifted = IsShift(translation, state.end, IsDynamic(object) ? state.begin : object->getWorldTransform());
@@ -73,14 +101,27 @@ bool qcObjectStarts::AreShiftedBy(const qcTranslation& translation, const qcBroa
     return areShifted;
 }
 
+/// Reads an object that does not rest.
 void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep, const qcRigidLimits* limits)
 {
-    auto [found, isNew] = FindOrAdd(qcObjectKey(object));
-    State& state = *found;
+    auto [place, isNew] = FindOrAdd(object);
+    State& state = *place->state;
     if (state.step == m_step)
         return;
     state.step = m_step;
     m_count++;
+    const btTransform& now = object->getWorldTransform();
+    ReadState(object, &state, isNew, timeStep, limits);
+    place->rests =
+        qcAreSame(state.start, now) && state.motion.isZero() && (!IsDynamic(object) || qcAreSame(state.begin, now));
+    if (place->rests)
+        place->at = now;
+}
+
+void qcObjectStarts::ReadState(btCollisionObject* object, State* read, bool isNew, btScalar timeStep,
+                               const qcRigidLimits* limits)
+{
+    State& state = *read;
     const btTransform& now = object->getWorldTransform();
     const bool isDynamic = IsDynamic(object);
     if (!isNew && !isDynamic && qcAreSame(state.end, now))
@@ -122,18 +163,36 @@ void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep, co
     m_moved.push_back(MakeMoved(object, state.start));
 }
 
+void qcObjectStarts::BeginObject(const btCollisionObject* object, size_t index)
+{
+    const btTransform& now = object->getWorldTransform();
+    Place* place = FindPlace(object, index);
+    if (place != nullptr && place->rests && qcAreSame(place->at, now))
+        return;
+    bool isNew = false;
+    State* state = place != nullptr ? place->state : nullptr;
+    if (state == nullptr)
+    {
+        auto [found, isAdded] = m_states.try_emplace(qcObjectKey(object));
+        state = &found->second;
+        isNew = isAdded;
+    }
+    Wake(*state);
+    state->begin = now;
+    if (isNew)
+        state->end = now;
+}
+
 void qcObjectStarts::Begin(const qcBroadphases& broadphases, const ObjectFunction& function)
 {
+    size_t index = 0;
     qcForEachObject(broadphases,
-                    [this, &function](btCollisionObject* object, btBroadphaseInterface*)
+                    [this, &function, &index](btCollisionObject* object, btBroadphaseInterface*)
                     {
                         function(object);
-                        if (!IsDynamic(object))
-                            return;
-                        auto [found, isNew] = m_states.emplace(qcObjectKey(object), State());
-                        found->second.begin = object->getWorldTransform();
-                        if (isNew)
-                            found->second.end = found->second.begin;
+                        if (IsDynamic(object))
+                            BeginObject(object, index);
+                        index++;
                     });
 }
 
@@ -152,6 +211,13 @@ void qcObjectStarts::Read(const qcBroadphases& broadphases, btScalar timeStep, c
     qcForEachObject(broadphases,
                     [this, timeStep, limits](btCollisionObject* object, btBroadphaseInterface* broadphase)
                     {
+                        const Place* place = FindPlace(object, m_present.size());
+                        if (place != nullptr && place->rests && RestsAt(place->at, *object))
+                        {
+                            m_present.push_back({object, broadphase});
+                            m_count++;
+                            return;
+                        }
                         if (!qcIsFinite(*object))
                         {
                             m_notFinite = object;
@@ -160,9 +226,16 @@ void qcObjectStarts::Read(const qcBroadphases& broadphases, btScalar timeStep, c
                         m_present.push_back({object, broadphase});
                         ReadObject(object, timeStep, limits);
                     });
-    if (m_count == m_states.size())
-        return;
-    m_order.clear();
+    if (m_count != m_states.size())
+        ForgetAbsent();
+}
+
+/// Forgets the objects that the step has not read.
+void qcObjectStarts::ForgetAbsent()
+{
+    m_places.erase(m_places.begin() + std::ptrdiff_t(m_present.size()), m_places.end());
+    for (const Place& place : m_places)
+        place.state->step = m_step;
     for (auto state = m_states.begin(); state != m_states.end();)
         state = state->second.step != m_step ? m_states.erase(state) : std::next(state);
 }
@@ -202,5 +275,6 @@ void qcObjectStarts::RecordEnd(const btCollisionObject* object)
     auto found = m_states.find(qcObjectKey(object));
     if (found == m_states.end())
         return;
+    Wake(found->second);
     found->second.end = object->getWorldTransform();
 }

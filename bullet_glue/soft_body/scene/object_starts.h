@@ -87,7 +87,17 @@ class qcObjectStarts
         btTransform begin = start; ///< of the step as the application has left it, for bodies that Bullet moves
         btTransform end = start;   ///< of the step; before Read that of the previous one
         btVector3 motion{0, 0, 0}; ///< of the origin in the step
-        uint64_t step = 0;         ///< the last one that has read the object
+        uint64_t step = 0;         ///< the last one that has read the object; that of a resting one is older
+        size_t place = 0;          ///< in m_places
+    };
+
+    /// What the steps of most objects need: they rest, and nothing else of them is read.
+    struct Place
+    {
+        qcObjectKey key;
+        State* state;
+        bool rests;     ///< it was at `at` from the beginning of the last step to its end
+        btTransform at; ///< set if it rests
     };
 
     struct Moved
@@ -96,13 +106,18 @@ class qcObjectStarts
         btVector3 lower, upper;
     };
 
-    std::pair<State*, bool> FindOrAdd(const qcObjectKey& key);
+    Place* FindPlace(const btCollisionObject* object, size_t index);
+    std::pair<Place*, bool> FindOrAdd(const btCollisionObject* object);
+    void Wake(const State& state);
+    void BeginObject(const btCollisionObject* object, size_t index);
+    void ForgetAbsent();
     static bool IsShift(const qcTranslation& translation, const btTransform& from, const btTransform& to);
     static Moved MakeMoved(btCollisionObject* object, const btTransform& from);
+    void ReadState(btCollisionObject* object, State* read, bool isNew, btScalar timeStep, const qcRigidLimits* limits);
     void ReadObject(btCollisionObject* object, btScalar timeStep, const qcRigidLimits* limits);
 
     std::unordered_map<qcObjectKey, State, qcObjectKeyHash> m_states;
-    std::vector<std::pair<qcObjectKey, State*>> m_order; ///< those of the last step's m_present, and perhaps of others
+    std::vector<Place> m_places; ///< those of the last step's m_present
     std::vector<Present> m_present;
     std::vector<Moved> m_moved;
     const btCollisionObject* m_notFinite = nullptr;
