@@ -99,7 +99,7 @@ tests/recording             tests/support plugin/recording
 tests/bullet                tests/support
 tests/bullet/broadphase     tests/support tests/bullet
 tests/bullet/mesh           tests/support tests/bullet bullet_glue/common bullet_glue/mesh_contact/... demos/common/mesh_io
-tests/bullet/soft_body      tests/support tests/bullet tests/bullet/mesh bullet_glue/soft_body/scene bullet_glue/soft_body/response demos/bench/soft demos/cloth demos/leaves
+tests/bullet/soft_body      tests/support tests/bullet tests/bullet/mesh bullet_glue/common bullet_glue/soft_body/scene bullet_glue/soft_body/response demos/bench/soft demos/cloth demos/leaves
 tests/bullet/fracture       tests/support tests/bullet plugin/recording
 tests/bullet/preload
 tests/bullet/recording       tests/support tests/bullet/broadphase tests/bullet/mesh

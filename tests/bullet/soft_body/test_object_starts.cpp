@@ -1,6 +1,6 @@
-// Where objects start their steps, for worlds in which some rest and the application and contacts move others: what is
-// known of objects at rest, by their place in the order of the broadphase, changes nothing. A second record, which is
-// given them in another order in each step, knows of none.
+// Where objects start their steps, in worlds where some rest while the application and contacts move others. Objects at
+// rest are found by their place in the order of the broadphase, and not read further; this changes no start. A second
+// record is given the objects in another order in each step, and so reads all of them.
 #include "soft_body/scene/object_starts.h"
 
 #include "common/object_motion.h"
