@@ -209,7 +209,7 @@ static void Cut(const Range* range, uint32_t lower)
     Axis axis = FindAxis(range->scratch, count);
     if (axis.low < axis.high)
     {
-        // Three standard deviations. Where the item lies outside, more items are looked at again.
+        // Three standard deviations. Where the item lies outside, more items are visited again.
         uint32_t reach = (uint32_t)(1.5f * sqrtf((float)count));
         const Band band = FindBand(range->scratch, count, &axis, rank, reach);
         part = SplitByBand(range, &band, lower);

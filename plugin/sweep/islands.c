@@ -11,7 +11,7 @@
 
 enum
 {
-    // Triangles of a body that are looked at. A few stray vertices do not change the median.
+    // Triangles of a body that are sampled. A few stray vertices do not change the median.
     qc_sampledTriangles = 9
 };
 
