@@ -5,6 +5,7 @@
 
 #include "base/aabb.h"
 #include "base/float_mode.h"
+#include "base/scalar.h"
 #include "base/vec3.h"
 #include "quickcullide/scene.h"
 
@@ -25,15 +26,9 @@ typedef struct RelativeCorners
     qcVector a[2][3], b[2][3];
 } RelativeCorners;
 
-/// The first number if the second is not larger, or is NaN.
-static inline double Larger(double a, double b)
-{
-    return b > a ? b : a;
-}
-
 static inline double LargestCoordinate(qcVector v)
 {
-    return Larger(Larger(fabs(v.x), fabs(v.y)), fabs(v.z));
+    return qcMax(fabs(v.z), qcMax(fabs(v.y), fabs(v.x)));
 }
 
 /// The relative corners of one end. False: differences overflow, or all corners coincide.
@@ -45,9 +40,9 @@ static bool MakeRelative(const double a[3][3], const double b[3][3], qcVector re
     {
         relativeA[c] = qcMinus(qcVector_Load(a[c]), origin);
         relativeB[c] = qcMinus(qcVector_Load(b[c]), origin);
-        size = Larger(size, LargestCoordinate(relativeA[c]));
-        size = Larger(size, LargestCoordinate(relativeB[c]));
-        // Larger ignores NaN, which is infinity minus infinity here.
+        size = qcMax(LargestCoordinate(relativeA[c]), size);
+        size = qcMax(LargestCoordinate(relativeB[c]), size);
+        // qcMax returns `size` for NaN, which is infinity minus infinity here.
         if (!(relativeB[c].x + relativeB[c].y + relativeB[c].z - relativeA[c].x - relativeA[c].y - relativeA[c].z <
               INFINITY))
             return false;
