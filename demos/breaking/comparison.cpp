@@ -1,9 +1,7 @@
 // The bodies of the breaking scene in a comparison of all methods.
 #include "breaking/comparison.h"
 
-#include "common/bullet/body_transform.h"
-
-#include "quickcullide/bullet_positions.h"
+#include "common/bullet/mesh_body.h"
 
 namespace
 {
@@ -12,15 +10,7 @@ constexpr uint32_t s_noPiece = UINT32_MAX;
 
 qcBodyDef BodyOf(const qcMeshShape& shape, const btTransform& place, qcActivity activity)
 {
-    qcBodyDef def = qcDefaultBodyDef();
-    def.positions = shape.getVertices();
-    def.positionType = qcBulletPositions;
-    def.positionStride = sizeof(btVector3);
-    def.vertexCount = shape.getVertexCount();
-    def.indices = shape.getIndices();
-    def.triangleCount = shape.getTriangleCount();
-    def.selfCollision = false;
-    def.transform = qcBodyTransformOf(place);
+    qcBodyDef def = qcMeshBodyDef(shape, place);
     def.activity = activity;
     return def;
 }

@@ -3,7 +3,7 @@
 
 #include "common/bullet/query_report.h"
 
-#include "common/output_file.h"
+#include "common/bullet/written_file.h"
 #include "common/stopwatch.h"
 
 #include <algorithm>
@@ -125,17 +125,8 @@ void PrintMaxima(const qcBreakingRun& run)
 
 bool qcWriteBreakingCsv(const std::string& path, const qcBreakingRun& run, std::string* message)
 {
-    qcOutput output;
-    qcMessage failure;
-    bool written = qcOutput_Open(path.c_str(), &output, &failure);
-    if (written)
-    {
-        WriteRows(output.stream, run);
-        written = qcOutput_Commit(&output, &failure);
-    }
-    if (!written)
-        *message = failure.text;
-    return written;
+    return qcWriteFile(
+        path, [&run](std::FILE* stream) { WriteRows(stream, run); }, message);
 }
 
 void qcPrintBreakingTable(const qcBreakingRun& run, const qcDetectDef& request, const qcDeviceInfo& device)

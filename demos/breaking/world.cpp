@@ -36,19 +36,11 @@ btScalar BunnyMass(const qcBreakingModel& model)
 }
 } // namespace
 
-void qcBreakingWorld::World::performDiscreteCollisionDetection()
-{
-    btDiscreteDynamicsWorld::performDiscreteCollisionDetection();
-    m_owner->NoteContact();
-    if (!m_owner->Break())
-        return;
-    btDiscreteDynamicsWorld::performDiscreteCollisionDetection();
-    m_owner->NoteContact();
-}
-
 qcBreakingWorld::qcBreakingWorld(const qcBreakingModel& model, qcMethod method, uint32_t threads, qcDevice* device)
     : m_model(model), m_dispatcher(&m_configuration), m_meshContact(device),
-      m_world(this, &m_dispatcher, &m_broadphase, &m_solver, &m_configuration), m_floorShape(btVector3(0, 1, 0), 0),
+      m_world([this] { NoteContact(); }, [this] { return Break(); }, &m_dispatcher, &m_broadphase, &m_solver,
+              &m_configuration),
+      m_floorShape(btVector3(0, 1, 0), 0),
       m_floor(Material(0, &m_floorShape, btVector3(0, 0, 0), btTransform::getIdentity())),
       m_bunny(Material(BunnyMass(model), model.bunny.shape.get(), model.bunny.inertia * BunnyMass(model),
                        btTransform::getIdentity())),

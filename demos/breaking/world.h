@@ -7,6 +7,7 @@
 #include "breaking/crane.h"
 #include "breaking/model.h"
 #include "breaking/settling.h"
+#include "common/bullet/impact_world.h"
 #include "common/bullet/step_costs.h"
 
 #include "quickcullide/bullet.h"
@@ -89,21 +90,6 @@ class qcBreakingWorld
     }
 
   private:
-    /// Breaks between collision detection, which finds impacts, and the solver.
-    class World : public btDiscreteDynamicsWorld
-    {
-      public:
-        World(qcBreakingWorld* owner, btDispatcher* dispatcher, btBroadphaseInterface* broadphase,
-              btConstraintSolver* solver, btCollisionConfiguration* configuration)
-            : btDiscreteDynamicsWorld(dispatcher, broadphase, solver, configuration), m_owner(owner)
-        {
-        }
-        void performDiscreteCollisionDetection() override;
-
-      private:
-        qcBreakingWorld* m_owner;
-    };
-
     /// Several pieces in one body.
     struct Island
     {
@@ -149,7 +135,7 @@ class qcBreakingWorld
     qcBroadphase m_broadphase;
     btSequentialImpulseConstraintSolver m_solver;
     qcMeshContact m_meshContact;
-    World m_world;
+    qcImpactWorld m_world;
     btStaticPlaneShape m_floorShape;
     btRigidBody m_floor;
     btRigidBody m_bunny;

@@ -2,7 +2,7 @@
 #include "cloth/report.h"
 
 #include "common/bullet/query_report.h"
-#include "common/output_file.h"
+#include "common/bullet/written_file.h"
 
 #include <algorithm>
 
@@ -118,20 +118,13 @@ void PrintLoop(const qcClothRun& run, qcMethod method, const qcDeviceInfo& devic
 
 bool qcWriteClothCsv(const std::string& path, const qcClothRuns& runs, double stepSeconds, std::string* message)
 {
-    qcOutput output;
-    qcMessage failure;
-    if (!qcOutput_Open(path.c_str(), &output, &failure))
+    auto write = [&](std::FILE* stream)
     {
-        *message = failure.text;
-        return false;
-    }
-    WriteHeading(output.stream);
-    for (const qcClothRun* run : runs)
-        WriteRows(output.stream, *run, stepSeconds);
-    if (qcOutput_Commit(&output, &failure))
-        return true;
-    *message = failure.text;
-    return false;
+        WriteHeading(stream);
+        for (const qcClothRun* run : runs)
+            WriteRows(stream, *run, stepSeconds);
+    };
+    return qcWriteFile(path, write, message);
 }
 
 void qcPrintClothTable(const qcClothRuns& runs, qcMethod method, const qcDetectDef& request, const qcDeviceInfo& device)

@@ -1,10 +1,10 @@
 // Models and pieces as rigid bodies.
 #include "fracture/body.h"
 
+#include "common/bullet/mesh_body.h"
 #include "common/mesh_io/bounds.h"
 #include "common/mesh_io/decimate.h"
 #include "common/mesh_io/mesh_file.h"
-#include "quickcullide/bullet_positions.h"
 
 #include <algorithm>
 
@@ -138,25 +138,11 @@ void qcFractureBody::AddMomentum(qcMomentum* sum) const
 
 qcTransform qcFractureBody::Place() const
 {
-    qcTransform transform;
-    const btTransform& place = body.getWorldTransform();
-    for (int i = 0; i < 9; i++)
-        transform.linear[i] = double(place.getBasis()[i / 3][i % 3]);
-    for (int axis = 0; axis < 3; axis++)
-        transform.translation[axis] = double(place.getOrigin()[axis]);
-    return transform;
+    return qcBodyTransformOf(body.getWorldTransform());
 }
 
 qcStatus qcFractureBody::AddTo(qcScene* scene, qcBodyId* id) const
 {
-    qcBodyDef def = qcDefaultBodyDef();
-    def.positions = shape.getVertices();
-    def.positionType = qcBulletPositions;
-    def.positionStride = sizeof(btVector3);
-    def.vertexCount = shape.getVertexCount();
-    def.indices = shape.getIndices();
-    def.triangleCount = shape.getTriangleCount();
-    def.selfCollision = false;
-    def.transform = Place();
+    qcBodyDef def = qcMeshBodyDef(shape, body.getWorldTransform());
     return qcScene_AddBody(scene, &def, id);
 }

@@ -1,7 +1,7 @@
 // CSV and closing table of the fracture demo.
 #include "fracture/report.h"
 
-#include "common/output_file.h"
+#include "common/bullet/written_file.h"
 
 #include <algorithm>
 
@@ -75,17 +75,8 @@ void PrintCourse(const qcFractureRun& run)
 
 bool qcWriteFractureCsv(const std::string& path, const qcFractureRun& run, std::string* message)
 {
-    qcOutput output;
-    qcMessage failure;
-    bool written = qcOutput_Open(path.c_str(), &output, &failure);
-    if (written)
-    {
-        WriteRows(output.stream, run);
-        written = qcOutput_Commit(&output, &failure);
-    }
-    if (!written)
-        *message = failure.text;
-    return written;
+    return qcWriteFile(
+        path, [&run](std::FILE* stream) { WriteRows(stream, run); }, message);
 }
 
 void qcPrintFractureTable(const qcFractureRun& run, const qcDeviceInfo& device)

@@ -25,22 +25,11 @@ btRigidBody::btRigidBodyConstructionInfo Floor(btCollisionShape* shape)
 }
 } // namespace
 
-void qcFractureWorld::World::performDiscreteCollisionDetection()
-{
-    btDiscreteDynamicsWorld::performDiscreteCollisionDetection();
-    m_owner->NoteContact();
-    btVector3 place;
-    if (m_owner->m_break.happened || !m_owner->FindImpact(&place, &m_owner->m_break.speed) ||
-        !m_owner->BreakBody(place))
-        return;
-    btDiscreteDynamicsWorld::performDiscreteCollisionDetection();
-    m_owner->NoteContact();
-}
-
 qcFractureWorld::qcFractureWorld(const qcFractureModel& model, const qcFractureRequest& request, qcDevice* device)
     : m_model(model), m_request(request), m_dispatcher(&m_configuration), m_meshContact(device),
-      m_world(this, &m_dispatcher, &m_broadphase, &m_solver, &m_configuration), m_floorShape(btVector3(0, 1, 0), 0),
-      m_floor(Floor(&m_floorShape))
+      m_world([this] { NoteContact(); }, [this] { return BreakOnImpact(); }, &m_dispatcher, &m_broadphase, &m_solver,
+              &m_configuration),
+      m_floorShape(btVector3(0, 1, 0), 0), m_floor(Floor(&m_floorShape))
 {
     m_meshContact.addTo(&m_world);
     m_meshContact.setMethod(request.method);
@@ -115,6 +104,13 @@ bool qcFractureWorld::FindImpact(btVector3* place, btScalar* speed) const
         }
     }
     return found;
+}
+
+/// Breaks the body at its first hard impact. False: there is none in this step, or the body can't be broken.
+bool qcFractureWorld::BreakOnImpact()
+{
+    btVector3 place;
+    return !m_break.happened && FindImpact(&place, &m_break.speed) && BreakBody(place);
 }
 
 qcMomentum qcFractureWorld::Momentum() const

@@ -3,6 +3,7 @@
 #define QC_DEMOS_FRACTURE_WORLD_H
 
 #include "fracture/body.h"
+#include "common/bullet/impact_world.h"
 #include "common/bullet/step_costs.h"
 
 #include "quickcullide/bullet.h"
@@ -80,26 +81,12 @@ class qcFractureWorld
     }
 
   private:
-    /// Searches for an impact between collision detection and the solver.
-    class World : public btDiscreteDynamicsWorld
-    {
-      public:
-        World(qcFractureWorld* owner, btDispatcher* dispatcher, btBroadphaseInterface* broadphase,
-              btConstraintSolver* solver, btCollisionConfiguration* configuration)
-            : btDiscreteDynamicsWorld(dispatcher, broadphase, solver, configuration), m_owner(owner)
-        {
-        }
-        void performDiscreteCollisionDetection() override;
-
-      private:
-        qcFractureWorld* m_owner;
-    };
-
     void Add(std::unique_ptr<qcFractureBody> body);
     void Cut(const qcFractureBody& whole, const btVector3& impact);
     void NoteContact();
     bool FindImpact(btVector3* place, btScalar* speed) const;
     bool BreakBody(const btVector3& impact);
+    bool BreakOnImpact();
     qcMomentum Momentum() const;
     void Measure(qcFractureStep* step) const;
 
@@ -110,7 +97,7 @@ class qcFractureWorld
     qcBroadphase m_broadphase;
     qcStackingSolver m_solver;
     qcMeshContact m_meshContact;
-    World m_world;
+    qcImpactWorld m_world;
     btStaticPlaneShape m_floorShape;
     btRigidBody m_floor;
     std::vector<std::unique_ptr<qcFractureBody>> m_bodies;

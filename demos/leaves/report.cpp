@@ -2,7 +2,7 @@
 #include "leaves/report.h"
 
 #include "common/bullet/query_report.h"
-#include "common/output_file.h"
+#include "common/bullet/written_file.h"
 #include "leaves/world.h"
 
 #include <algorithm>
@@ -70,17 +70,8 @@ void PrintCourse(const qcLeavesRun& run)
 
 bool qcWriteLeavesCsv(const std::string& path, const qcLeavesRun& run, std::string* message)
 {
-    qcOutput output;
-    qcMessage failure;
-    bool written = qcOutput_Open(path.c_str(), &output, &failure);
-    if (written)
-    {
-        WriteRows(output.stream, run);
-        written = qcOutput_Commit(&output, &failure);
-    }
-    if (!written)
-        *message = failure.text;
-    return written;
+    return qcWriteFile(
+        path, [&run](std::FILE* stream) { WriteRows(stream, run); }, message);
 }
 
 void qcPrintLeavesTable(const qcLeavesRun& run, qcMethod method, const qcDetectDef& request, const qcDeviceInfo& device)

@@ -2,6 +2,7 @@
 #define _GNU_SOURCE // unsetenv, program_invocation_short_name
 #include "replay/replay.h"
 
+#include "common/device.h"
 #include "common/interrupt.h"
 #include "common/output_file.h"
 #include "common/progress.h"
@@ -40,12 +41,9 @@ static qcExitStatus OpenDevice(const qcReplayOptions* options, qcDevice** device
     if (!draws && options->deviceName == NULL)
         return qc_exitDone;
     qcDeviceDef def = qcDefaultDeviceDef();
+    qcDeviceInfo info;
     def.kind = options->device;
-    qcStatus status = qcDevice_Create(&def, device);
-    if (status == qc_statusOk)
-        return qc_exitDone;
-    qcMessage_Fail(message, "%s", qcLastMessage());
-    return status == qc_statusDevice ? qc_exitDevice : qc_exitFailed;
+    return qcToolDevice_Open(&def, device, &info, message);
 }
 
 static qcExitStatus Replay(const qcReplayOptions* options, qcRecording* recording, qcDevice* device, qcMessage* message)

@@ -2,6 +2,8 @@
 /// Geometry that is already on the GPU: a scene's positions come from buffers in the device's memory, and its pairs can
 /// go there. Buffers belong to the host: GL buffers of a context that shares objects with the device's
 /// (qcDeviceDef::shareContext), or memory of another API, such as Vulkan, imported by a file descriptor.
+///
+/// Thread-safety: a device and its buffers may be used on any thread; a scene on one thread at a time.
 #ifndef QUICKCULLIDE_BUFFERS_H
 #define QUICKCULLIDE_BUFFERS_H
 
@@ -58,11 +60,12 @@ static inline qcDeviceBufferDef qcDefaultDeviceBufferDef(void)
 /// Opens a buffer of the host's, for qcScene_SetVertexBuffer and qcScene_WritePairs. Nothing is copied. Any thread.
 ///
 /// qc_statusBadInput: the device shares no context, the name is no buffer there, or a field is invalid.
-/// qc_statusDevice: the device is of kind none, has no compute shaders or can't import memory.
+/// qc_statusDevice: the device is of kind none, has no compute shaders or can't import memory. qc_statusDeviceLost.
+/// qc_statusOutOfMemory.
 QC_API qcStatus qcDevice_OpenBuffer(qcDevice* device, const qcDeviceBufferDef* def, qcDeviceBuffer** buffer);
 
-/// Releases what qcDevice_OpenBuffer made; the host's buffer stays. Call it before qcDevice_Destroy. Scenes keep
-/// nothing of it. Null is allowed.
+/// Releases what qcDevice_OpenBuffer made; the host's buffer stays. Call it before qcDevice_Destroy, and while no other
+/// call uses the buffer. Scenes keep nothing of it. Null is allowed. Any thread.
 QC_API void qcDeviceBuffer_Close(qcDeviceBuffer* buffer);
 
 /// Positions that are in the device's memory already. Make it with qcDefaultVertexBufferDef.
@@ -107,6 +110,7 @@ static inline qcVertexBufferDef qcDefaultVertexBufferDef(void)
 /// qc_statusBadInput: also if the body is rigid, the buffer is too small or of another device, or a position is not
 /// finite. qc_statusDevice: the device failed, or the fence was not signalled in time. qc_statusDeviceLost.
 QC_API qcStatus qcScene_SetVertexBuffer(qcScene* scene, qcBodyId id, const qcVertexBufferDef* def);
+
 /// Where pairs go on the device. Make it with qcDefaultPairBufferDef.
 typedef struct qcPairBufferDef
 {

@@ -105,8 +105,9 @@ typedef struct qcDeviceInfo
     uint8_t uuid[16]; ///< GL_DEVICE_UUID_EXT, equal to Vulkan's and CUDA's UUID of the GPU; zeros: not reported
 } qcDeviceInfo;
 
-/// Opens a device. qc_statusDevice: the kind or GPU does not work here; the message gives the reason, for kind egl that
-/// of each GPU. Takes milliseconds up to a second, for drivers and shaders.
+/// Opens a device. Takes milliseconds up to a second, for drivers and shaders. qc_statusBadInput: a pointer is null, or
+/// a field of the definition is invalid. qc_statusDevice: the kind or GPU does not work here; the message gives the
+/// reason, for kind egl that of each GPU. qc_statusOutOfMemory.
 ///
 /// A child of a process that has opened GL through this library can open qc_deviceNone only. Mesa's exit handlers crash
 /// in a child of a process that has opened OSMesa: such a child must end with _exit() or exec.

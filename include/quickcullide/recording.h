@@ -45,7 +45,7 @@ QC_API qcStatus qcScene_Record(qcScene* scene, const char* path);
 ///
 /// Boxes have ids of the caller's choice, unique among those that are there. Between a Begin and its End, functions
 /// other than SetFilter are written behind the End: changes by a callback take effect after its query.
-/// Failures are those of qcScene_Record: recording stops, and only Close reports it.
+/// Failures are those of qcScene_Record: recording stops, and only Close reports it. Each function is O(its arguments).
 typedef struct qcBoxRecorder qcBoxRecorder;
 
 /// Creates a file; path null: as QC_RECORD has it, or no recorder (null) if it is not set. `scalarSize`: 4 or 8, the
@@ -88,7 +88,7 @@ typedef struct qcBoxCast
 QC_API void qcBoxRecorder_EndCast(qcBoxRecorder* recorder, const qcBoxCast* cast, const uint32_t* ids,
                                   const double* lambdas, size_t count);
 
-/// The hash by which pairs are compared. O(count).
+/// The hash by which pairs are compared: of their number and order, too. O(count). Any thread.
 QC_API uint64_t qcBoxPairs_Hash(const qcBoxPair* pairs, size_t count);
 
 //  ---- hashes of results ---------------------------------------------------------------------------
@@ -110,7 +110,7 @@ typedef struct qcResultHash
     uint64_t manifoldPoints;     ///< of qcResult::manifoldPoints
 } qcResultHash;
 
-/// Hashes a result. O(its size).
+/// Hashes a result. O(its size). Any thread, while the result is valid.
 QC_API qcResultHash qcResult_Hash(const qcResult* result);
 
 //  ---- reading -------------------------------------------------------------------------------------
@@ -170,7 +170,7 @@ typedef enum qcOperationKind
     qc_operationCastBox = 27          ///< qcBoxRecorder_EndCast
 } qcOperationKind;
 
-/// "end", "add body", "remove body" ... Static.
+/// "end", "add body", "remove body" ...; "unknown operation" for other values. Static. O(1). Any thread.
 QC_API const char* qcOperationKind_Name(qcOperationKind kind);
 
 /// An operation of a broadphase.

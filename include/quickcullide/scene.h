@@ -136,7 +136,8 @@ static inline qcBodyDef qcDefaultBodyDef(void)
 /// Adds a body and fills `id`. O(n). qc_statusBadInput: an index is out of range, a position is not finite, or a field
 /// of the definition is invalid; the message names the body and the element. qc_statusOutOfMemory.
 QC_API qcStatus qcScene_AddBody(qcScene* scene, const qcBodyDef* def, qcBodyId* id);
-/// Removes a body and invalidates its id. O(1). qc_statusBadInput: the id is not valid, here and below.
+/// Removes a body and invalidates its id. The other ids stay. O(1). qc_statusBadInput: the id is not valid, here and
+/// below.
 QC_API qcStatus qcScene_RemoveBody(qcScene* scene, qcBodyId id);
 /// Moves a rigid body. O(1); O(vertices) where their box overflows. qc_statusBadInput: also if the body deforms, the
 /// transform is not finite, or it takes a vertex beyond all finite numbers.
@@ -183,7 +184,7 @@ typedef enum qcMethod
     qc_methodLayers = 5
 } qcMethod;
 
-/// "auto", "brute", "cullide", "quick", "sweep", "layers". Static.
+/// "auto", "brute", "cullide", "quick", "sweep", "layers"; "unknown method" for other values. Static. O(1). Any thread.
 QC_API const char* qcMethod_Name(qcMethod method);
 
 /// How two closed triangles lie. Degenerate triangles are segments or points.
@@ -195,7 +196,7 @@ typedef enum qcRelation
     qc_relationNear = 3         ///< they don't intersect; their distance is at most the margin
 } qcRelation;
 
-/// "disjoint", "touching", "penetrating", "near". Static.
+/// "disjoint", "touching", "penetrating", "near"; "unknown relation" for other values. Static. O(1). Any thread.
 QC_API const char* qcRelation_Name(qcRelation relation);
 
 /// The relation of two triangles, nine doubles each (corner by corner): disjoint, touching or penetrating. Exact for
@@ -327,9 +328,9 @@ typedef struct qcDetectDef
     /// rather than its triangles. A region of contact may then have several manifolds. Pairs are reported as ever; with
     /// `proximities` it has no effect. 0: all pairs count.
     double spacing;
-    /// The most pairs of triangles that the step may hold at any stage: candidates, pairs listed for contacts, results.
-    /// A bound for memory: a pair takes at most some 68 bytes until it is reported, without contacts, segments,
-    /// proximities and manifolds. With more pairs qcScene_Detect returns qc_statusTooManyPairs. 0: no limit.
+    /// The max number of triangle pairs that the step may hold at any stage: candidates, pairs listed for contacts,
+    /// results. A bound for memory: a pair takes at most some 68 bytes until it is reported, without contacts,
+    /// segments, proximities and manifolds. With more pairs qcScene_Detect returns qc_statusTooManyPairs. 0: no limit.
     uint64_t maxPairs;
 } qcDetectDef;
 
@@ -460,8 +461,8 @@ typedef struct qcManifold
     uint32_t pointCount; ///< 1 or more
 } qcManifold;
 
-/// A candidate: a pair of triangles that the culling left, also for contacts alone; ordered as in qcPair. Neighbours
-/// that are tested for contacts alone are left out.
+/// A candidate: a pair of triangles that the culling left, also one that is tested for contacts alone; ordered as in
+/// qcPair. Neighbours that are tested for contacts alone are left out.
 typedef struct qcCandidate
 {
     uint32_t bodyA;     ///< slot of A's body
@@ -572,9 +573,10 @@ typedef struct qcProfile
     uint32_t deviceCalls;    ///< calls of GL in a step of `layers`
     uint32_t deviceWaits;    ///< waits for the device in a step of `layers`: one a run
     /// All parts of the step of `layers`, in order, also those that did not run: prepare (with new vertices), hand-over
-    /// (to the device's thread), upload, vertices (and empty lists), boxes, nodes, node pairs, triangle pairs, wait
-    /// (for the device), hand-back, refine (on the CPU). All belong to cullTrianglesMs. Empty unless
-    /// qcDetectDef::layerTimes is set and something has changed since the last step. Valid as long as the result.
+    /// (to the device's thread), upload, vertices (and empty lists), boxes, nodes, node pairs, triangle pairs, pair
+    /// tests, order (of the pairs), wait (for the device), timers (reading their times), hand-back, refine (on the
+    /// CPU). All belong to cullTrianglesMs. Empty unless qcDetectDef::layerTimes is set and something has changed since
+    /// the last step. Valid as long as the result.
     const qcLayerTime* layerTimes;
     size_t layerTimeCount;      ///< number of layerTimes
     bool softwareDevice;        ///< the device draws on the CPU
@@ -583,7 +585,7 @@ typedef struct qcProfile
 
     //  Work that was skipped.
     uint64_t skippedStaticPairs;   ///< overlapping pairs of bodies that both rest
-    uint64_t skippedFilteredPairs; ///< overlapping pairs of bodies with excluding groups or the same owner
+    uint64_t skippedFilteredPairs; ///< overlapping pairs excluded by groups, owners or qcDetectDef::pairFilter
     uint64_t skippedSetPairs;      ///< overlapping pairs of bodies within one collision-free set (lemma 2)
     uint32_t skippedBodies;        ///< bodies that overlap no other and have no self-collision
     uint32_t skippedTriangles;     ///< triangles outside the overlaps of their body's box with others

@@ -37,9 +37,9 @@ enum
             }                                                                                                          \
         for (int k = 0; k < qc_boundsRun && vertexCount != 0; k++)                                                     \
         {                                                                                                              \
-            double least = (double)low[k / width][k % width], most = (double)high[k / width][k % width];               \
-            lower[k % 3] = least < lower[k % 3] ? least : lower[k % 3];                                                \
-            upper[k % 3] = most > upper[k % 3] ? most : upper[k % 3];                                                  \
+            double min = (double)low[k / width][k % width], max = (double)high[k / width][k % width];                  \
+            lower[k % 3] = min < lower[k % 3] ? min : lower[k % 3];                                                    \
+            upper[k % 3] = max > upper[k % 3] ? max : upper[k % 3];                                                    \
         }                                                                                                              \
         for (int axis = 0; i < count; i++, axis = (axis + 1) % 3)                                                      \
         {                                                                                                              \

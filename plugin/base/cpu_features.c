@@ -18,17 +18,17 @@ static bool IsAvailable(size_t set)
     return set == qc_instructionsScalar;
 }
 
-const void* qcKernelTables_Choose(const void* const* tables, size_t count)
+const void* qcKernelTables_Nth(const qcKernelTables* tables, size_t i)
 {
-    static const char* const s_names[] = {"plain", "avx2", "avx512"};
-    const char* requested = getenv("QC_KERNELS");
-    size_t set = qc_instructionsScalar;
-    while (set + 1 < count && IsAvailable(set + 1) && (requested == NULL || strcmp(requested, s_names[set]) != 0))
-        set++;
-    return tables[set];
+    return i < qc_instructionSetCount && IsAvailable(i) ? tables->of[i] : NULL;
 }
 
-const void* qcKernelTables_Nth(const void* const* tables, size_t count, size_t i)
+const void* qcKernelTables_Choose(const qcKernelTables* tables)
 {
-    return i < count && IsAvailable(i) ? tables[i] : NULL;
+    static const char* const s_names[qc_instructionSetCount] = {"plain", "avx2", "avx512"};
+    const char* requested = getenv("QC_KERNELS");
+    size_t set = qc_instructionsScalar;
+    while (qcKernelTables_Nth(tables, set + 1) != NULL && (requested == NULL || strcmp(requested, s_names[set]) != 0))
+        set++;
+    return tables->of[set];
 }

@@ -10,14 +10,21 @@ typedef enum qcInstructionSet
 {
     qc_instructionsScalar, ///< the compiler's default
     qc_instructionsAvx2,   ///< with FMA
-    qc_instructionsAvx512  ///< F, BW and VL
+    qc_instructionsAvx512, ///< F, BW and VL
+    qc_instructionSetCount
 } qcInstructionSet;
 
-/// The table of the best instruction set that this CPU has, or of the lesser one that the environment's QC_KERNELS
-/// names (plain, avx2, avx512). tables[0] is the scalar one; `count` is at least 1.
-const void* qcKernelTables_Choose(const void* const* tables, size_t count);
+/// The tables of a room's kernels.
+typedef struct qcKernelTables
+{
+    const void* of[qc_instructionSetCount]; ///< null: none is compiled for the set; the scalar one is never null
+} qcKernelTables;
 
-/// tables[i], or null if there is none or this CPU doesn't run it: for tests that run all of them.
-const void* qcKernelTables_Nth(const void* const* tables, size_t count, size_t i);
+/// The table of the best instruction set that this CPU has, or of the lesser one that the environment's QC_KERNELS
+/// names (plain, avx2, avx512).
+const void* qcKernelTables_Choose(const qcKernelTables* tables);
+
+/// The table of instruction set `i`, or null if there is none or this CPU doesn't run it: for tests that run all.
+const void* qcKernelTables_Nth(const qcKernelTables* tables, size_t i);
 
 #endif

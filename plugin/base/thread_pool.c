@@ -158,7 +158,7 @@ static void WakeSome(Pool* pool)
 static bool Sleep(Pool* pool, Thread* thread, uint32_t last)
 {
     pthread_mutex_lock(&pool->mutex);
-    // A caller looks at `sleeps` after it has changed the word: either it wakes this thread, or the thread sees the
+    // A caller reads `sleeps` after it has changed the word: either it wakes this thread, or the thread sees the
     // loop here.
     atomic_store(&thread->sleeps, true);
     while (!pool->ending && atomic_load(&thread->sleeps) && !HasBegun(pool, thread->index, last))

@@ -3,24 +3,19 @@
 
 #include "base/cpu_features.h"
 
-static const void* const s_tables[] = {
+static const qcKernelTables s_tables = {{
     &qcBoxKernels_scalar,
 #ifdef QC_KERNELS_X86
     &qcBoxKernels_avx2,
 #endif
-};
-
-enum
-{
-    qc_tableCount = sizeof s_tables / sizeof s_tables[0]
-};
+}};
 
 const qcBoxKernels* qcBoxKernels_Get(void)
 {
-    return qcKernelTables_Choose(s_tables, qc_tableCount);
+    return qcKernelTables_Choose(&s_tables);
 }
 
 const qcBoxKernels* qcBoxKernels_Nth(size_t i)
 {
-    return qcKernelTables_Nth(s_tables, qc_tableCount, i);
+    return qcKernelTables_Nth(&s_tables, i);
 }

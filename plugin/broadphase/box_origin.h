@@ -4,12 +4,8 @@
 #ifndef QC_BROADPHASE_BOX_ORIGIN_H
 #define QC_BROADPHASE_BOX_ORIGIN_H
 
+#include "base/aabb.h"
 #include "broadphase/bvh_forest.h"
-
-typedef struct qcBounds
-{
-    double lower[3], upper[3];
-} qcBounds;
 
 /// All zero: the floats of a box are its coordinates.
 typedef struct qcBoxOrigin

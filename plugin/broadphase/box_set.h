@@ -11,16 +11,6 @@
 
 #define QC_NOT_MOVED UINT32_MAX
 
-static inline double qcLower(double a, double b)
-{
-    return a < b ? a : b;
-}
-
-static inline double qcUpper(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 /// State of a box in the BVH forest.
 typedef enum qcBoxState
 {
@@ -75,13 +65,6 @@ struct qcBoxes
     uint32_t coarseCount;   ///< coarse boxes that were inserted into the forest since the origin was last chosen
     bool originMoved;       ///< since the last search: all boxes are dynamic
 };
-
-static inline bool qcBounds_Overlap(const qcBounds* a, const qcBounds* b)
-{
-    // One branch instead of six: which comparison fails is unpredictable.
-    return (a->lower[0] <= b->upper[0]) & (a->upper[0] >= b->lower[0]) & (a->lower[1] <= b->upper[1]) &
-           (a->upper[1] >= b->lower[1]) & (a->lower[2] <= b->upper[2]) & (a->upper[2] >= b->lower[2]);
-}
 
 static inline qcBox* qcBoxes_Box(const qcBoxes* set, uint32_t id)
 {

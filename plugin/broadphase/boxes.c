@@ -3,6 +3,7 @@
 #include "broadphase/box_set.h"
 
 #include "base/float_mode.h"
+#include "base/scalar.h"
 #include "base/status.h"
 
 #include <float.h>
@@ -89,7 +90,7 @@ static double LongestEdge(const qcBounds* bounds)
 {
     double longest = 0.0;
     for (int k = 0; k < 3; k++)
-        longest = qcUpper(longest, bounds->upper[k] - bounds->lower[k]);
+        longest = qcMax(longest, bounds->upper[k] - bounds->lower[k]);
     return longest <= DBL_MAX / 8.0 ? longest : 0.0;
 }
 
@@ -121,12 +122,12 @@ static qcFloatBox Fatten(const qcBoxOrigin* origin, const qcBounds* previous, co
         double lower = bounds->lower[k], upper = bounds->upper[k];
         // A fiftieth of the edge, for jitter. With 10 000 boxes that move by a fifteenth of their edge, a margin of a
         // twentieth takes a tenth more time, and no margin takes a few percent less.
-        double margin = qcLower(0.02 * (upper - lower), longest);
+        double margin = qcMin(0.02 * (upper - lower), longest);
         // At most the longest edge: a jump doesn't predict the next step.
-        double down = qcLower(steps * (previous->lower[k] - lower), longest);
-        double up = qcLower(steps * (upper - previous->upper[k]), longest);
-        fat.lower[k] = qcLower(lower, lower - qcUpper(down, 0.0) - margin);
-        fat.upper[k] = qcUpper(upper, upper + qcUpper(up, 0.0) + margin);
+        double down = qcMin(steps * (previous->lower[k] - lower), longest);
+        double up = qcMin(steps * (upper - previous->upper[k]), longest);
+        fat.lower[k] = qcMin(lower, lower - qcMax(down, 0.0) - margin);
+        fat.upper[k] = qcMax(upper, upper + qcMax(up, 0.0) + margin);
     }
     qcFloatBox box;
     (void)qcBoxOrigin_Enclose(origin, &box, fat.lower, fat.upper);

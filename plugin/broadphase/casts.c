@@ -2,6 +2,8 @@
 // Proof that no box is missed: plugin/docs/proofs/box_casts.md.
 #include "broadphase/box_query.h"
 
+#include "base/scalar.h"
+
 #include <float.h>
 #include <math.h>
 
@@ -62,12 +64,12 @@ __attribute__((noinline)) static void PrepareCast(const qcBoxes* boxes, const do
         cast->castUpper[k] = castUpper[k];
         // NaN in both bounds of the path and no slab: then no comparison rejects a box.
         bool unbounded = isnan(from[k]) || isnan(to[k]) || isnan(castLower[k]) || isnan(castUpper[k]);
-        cast->pathLower[k] = unbounded ? NAN : qcLower(from[k], to[k]) + castLower[k];
-        cast->pathUpper[k] = unbounded ? NAN : qcUpper(from[k], to[k]) + castUpper[k];
+        cast->pathLower[k] = unbounded ? NAN : qcMin(from[k], to[k]) + castLower[k];
+        cast->pathUpper[k] = unbounded ? NAN : qcMax(from[k], to[k]) + castUpper[k];
         double direction = to[k] - from[k], length = fabs(direction);
         bool isSlab = !unbounded && length >= DBL_MIN && length <= 0x1p1021;
         cast->inverse[k] = isSlab ? 1.0 / direction : 0.0;
-        cast->magnitude[k] = fabs(from[k]) + qcUpper(fabs(castLower[k]), fabs(castUpper[k]));
+        cast->magnitude[k] = fabs(from[k]) + qcMax(fabs(castLower[k]), fabs(castUpper[k]));
         PrepareFloats(cast, boxes->origin.at[k], k);
     }
 }

@@ -1,6 +1,8 @@
 // Box queries and total bounds of a set of boxes.
 #include "broadphase/box_query.h"
 
+#include "base/scalar.h"
+
 #include <math.h>
 
 __attribute__((noinline)) static void GetTotalBounds(const qcBoxes* boxes, double lower[3], double upper[3])
@@ -18,8 +20,8 @@ __attribute__((noinline)) static void GetTotalBounds(const qcBoxes* boxes, doubl
         qcBounds bounds = qcBoxes_Bounds(boxes, (uint32_t)id);
         for (int k = 0; k < 3; k++)
         {
-            lower[k] = qcLower(lower[k], bounds.lower[k]);
-            upper[k] = qcUpper(upper[k], bounds.upper[k]);
+            lower[k] = qcMin(lower[k], bounds.lower[k]);
+            upper[k] = qcMax(upper[k], bounds.upper[k]);
         }
     }
 }

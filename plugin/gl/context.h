@@ -1,4 +1,4 @@
-// A GL context on the calling thread: the interface of device.c to EGL and OSMesa.
+// A GL context on the calling thread: the interface of device_context.c to EGL and OSMesa.
 #ifndef QC_GL_CONTEXT_H
 #define QC_GL_CONTEXT_H
 

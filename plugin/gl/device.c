@@ -7,15 +7,14 @@
 #include "base/clock.h"
 #include "base/definition.h"
 #include "base/float_mode.h"
-#include "base/parallel_for.h"
-#include "base/thread_pool.h"
-#include "gl/cache_files.h"
-#include "gl/context.h"
 #include "base/memory.h"
+#include "base/parallel_for.h"
 #include "base/status.h"
+#include "base/thread_pool.h"
+#include "gl/device_context.h"
 #include "gl/device_def.h"
 #include "gl/hand_over.h"
-#include "gl/programs.h"
+#include "gl/measured_costs.h"
 #include "gl/reopening.h"
 
 #include <assert.h>
@@ -34,36 +33,17 @@ enum
     // glGetError may never return GL_NO_ERROR once a context is lost.
     qc_maxGlErrors = 64,
     // Drivers compile shaders on this thread; some C libraries give threads only 128 KiB.
-    qc_stackSize = 8 << 20,
-    // Thread counts for which costs are stored.
-    qc_maxCosts = 8
+    qc_stackSize = 8 << 20
 };
-
-typedef struct MeasuredCosts
-{
-    uint32_t threads; ///< 0: none
-    qcPlanCosts costs;
-} MeasuredCosts;
 
 struct qcDevice
 {
-    qcDeviceKind kind;
-    qcGpuChoice choice;
-    qcContext context;
-    struct qcGlFunctions gl;
-    struct qcGlPrograms programs;
-    struct qcGlState state;
-    char cacheFolder[qc_maxCacheFolder]; ///< of the programs' binaries; empty: none
-    qcGpuIdentity gpu;
-    uint32_t maxResolution;
-    bool compute;
-
+    qcDeviceContext context; ///< opened, used and closed by the thread
     pid_t process;           ///< the process of the thread: a child process has a copy of the device without it
     pthread_t thread;        ///< runs while the device is open
     pthread_mutex_t callers; ///< held by the caller whose job runs
-    MeasuredCosts costs[qc_maxCosts];
-    pthread_mutex_t costsMutex; ///< guards `costs`
-    qcHandOver handOver;        ///< its mutex guards the fields below
+    qcMeasuredCosts costs;
+    qcHandOver handOver; ///< its mutex guards the fields below
     bool open, lost;
     uint32_t generation; ///< number of contexts opened
     qcReopening reopening;
@@ -73,19 +53,6 @@ struct qcDevice
     const char* purpose;
     qcStatus status;
     char message[qc_messageSize]; ///< of the device's thread, for the caller's
-};
-
-static const struct
-{
-    const char* name;
-    qcOpenContext* open;
-    qcCloseContext* close;
-} s_kinds[] = {
-    [qc_deviceAuto] = {"auto", NULL, NULL},
-    [qc_deviceEgl] = {"egl", qcOpenEglContext, qcCloseEglContext},
-    [qc_deviceOsmesa] = {"osmesa", qcOpenOsmesaContext, qcCloseOsmesaContext},
-    [qc_deviceSurfaceless] = {"surfaceless", qcOpenSurfacelessContext, qcCloseEglContext},
-    [qc_deviceNone] = {"none", NULL, NULL},
 };
 
 /// The process that has opened GL contexts, or tried to; 0: none. Drivers keep threads and locks while they are loaded:
@@ -100,69 +67,7 @@ static bool IsInOtherProcess(const qcDevice* device)
 static qcStatus FailInOtherProcess(const qcDevice* device, const char* purpose)
 {
     return qcFail(qc_statusDevice, "%s: the device %s belongs to process %ld, and fork() leaves it there", purpose,
-                  s_kinds[device->kind].name, (long)device->process);
-}
-
-static void ReadLimits(qcDevice* device)
-{
-    const struct qcGlFunctions* gl = &device->gl;
-    GLint renderbufferSize = 0, viewport[2] = {0, 0};
-    gl->GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &renderbufferSize);
-    gl->GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
-    GLint smallest = viewport[0] < viewport[1] ? viewport[0] : viewport[1];
-    if (smallest > renderbufferSize)
-        smallest = renderbufferSize;
-    device->maxResolution = smallest > 0 ? (uint32_t)smallest : 0;
-    device->compute = gl->DispatchCompute != NULL;
-}
-
-/// The process ends: drivers' own handlers have run, or are about to, and their functions may crash.
-static atomic_bool s_isExiting;
-static pthread_once_t s_watchExit = PTHREAD_ONCE_INIT;
-
-static void NoteExit(void)
-{
-    atomic_store(&s_isExiting, true);
-}
-
-static void WatchExit(void)
-{
-    (void)atexit(NoteExit);
-}
-
-static void CloseContext(qcDevice* device)
-{
-    if (!atomic_load(&s_isExiting))
-        s_kinds[device->kind].close(&device->context);
-}
-
-/// Opens a context and finds its identity. On failure none is open.
-static qcStatus OpenContext(qcDevice* device, qcGpuIdentity* gpu)
-{
-    QC_TRY(s_kinds[device->kind].open(&device->choice, &device->context));
-    // After the driver has registered its handlers: they run after later ones.
-    pthread_once(&s_watchExit, WatchExit);
-    device->gl = (struct qcGlFunctions){.programs = &device->programs, .state = &device->state};
-    device->state = (struct qcGlState){0};
-    device->programs = (struct qcGlPrograms){.cacheFolder = device->cacheFolder, .opener = s_kinds[device->kind].name};
-    qcStatus status = qcGlFunctions_Load(&device->gl, device->context.getFunction);
-    if (status == qc_statusOk)
-        status = qcContext_Identify(&device->context, gpu);
-    if (status != qc_statusOk)
-        CloseContext(device);
-    return status;
-}
-
-/// A context in place of one that is closed, on the same GPU: the host may hold strings of qcDeviceInfo.
-static qcStatus OpenSameContext(qcDevice* device)
-{
-    qcGpuIdentity gpu = {.software = false};
-    QC_TRY(OpenContext(device, &gpu));
-    if (strcmp(gpu.renderer, device->gpu.renderer) == 0 && strcmp(gpu.version, device->gpu.version) == 0 &&
-        strcmp(gpu.vendor, device->gpu.vendor) == 0 && memcmp(gpu.uuid, device->gpu.uuid, sizeof gpu.uuid) == 0)
-        return qc_statusOk;
-    CloseContext(device);
-    return qcFail(qc_statusDevice, "in place of %s there is %s", device->gpu.renderer, gpu.renderer);
+                  qcDeviceKind_Name(device->context.kind), (long)device->process);
 }
 
 static qcStatus FailLost(const char* purpose)
@@ -173,7 +78,7 @@ static qcStatus FailLost(const char* purpose)
 /// Runs the posted job. `lost`: whether the context is lost afterwards.
 static qcStatus RunJob(qcDevice* device, bool* lost)
 {
-    const struct qcGlFunctions* gl = &device->gl;
+    const struct qcGlFunctions* gl = &device->context.gl;
     gl->state->isAnswered = gl->state->hasNoErrors = false;
     qcStatus status = device->job(gl, device->jobContext);
     // A job that fails may have stopped anywhere.
@@ -221,12 +126,12 @@ static void ReopenLost(qcDevice* device, bool* hasContext)
 {
     qcHandOver_Unlock(&device->handOver);
     if (*hasContext)
-        CloseContext(device);
-    qcStatus status = OpenSameContext(device);
+        qcDeviceContext_Close(&device->context);
+    qcStatus status = qcDeviceContext_OpenAgain(&device->context);
     if (status == qc_statusOk)
-        qcLog("device %s: opened again after its context was lost", s_kinds[device->kind].name);
+        qcLog("device %s: opened again after its context was lost", qcDeviceKind_Name(device->context.kind));
     else
-        qcLog("device %s: not opened again: %s", s_kinds[device->kind].name, qcLastMessage());
+        qcLog("device %s: not opened again: %s", qcDeviceKind_Name(device->context.kind), qcLastMessage());
     qcHandOver_Lock(&device->handOver);
     *hasContext = status == qc_statusOk;
     if (*hasContext)
@@ -260,10 +165,8 @@ static void* ServeCallers(void* argument)
     qcDevice* device = argument;
     // A thread inherits the floating-point mode of its creator.
     (void)qcFloatMode_Begin();
-    qcStatus opened = OpenContext(device, &device->gpu);
+    qcStatus opened = qcDeviceContext_Open(&device->context);
     bool hasContext = opened == qc_statusOk;
-    if (hasContext)
-        ReadLimits(device);
     qcHandOver_Lock(&device->handOver);
     if (hasContext)
     {
@@ -285,7 +188,7 @@ static void* ServeCallers(void* argument)
     }
     qcHandOver_Unlock(&device->handOver);
     if (hasContext)
-        CloseContext(device);
+        qcDeviceContext_Close(&device->context);
     return NULL;
 }
 
@@ -333,13 +236,13 @@ static bool MaySpin(const qcDevice* device)
         return true;
     if (choice != NULL && strcmp(choice, "sleep") == 0)
         return false;
-    return !device->gpu.software && qcPool_CoreCount() > 2;
+    return !device->context.gpu.software && qcPool_CoreCount() > 2;
 }
 
 /// Opens the device as one kind. On failure the device's message gives the reason, and another kind may be tried.
 static qcStatus OpenKind(qcDevice* device, qcDeviceKind kind)
 {
-    device->kind = kind;
+    device->context.kind = kind;
     if (kind == qc_deviceNone)
         return qc_statusOk;
     qcHandOver_Begin(&device->handOver);
@@ -374,7 +277,7 @@ static void CloseKind(qcDevice* device)
 static void FreeDevice(qcDevice* device)
 {
     qcHandOver_Destroy(&device->handOver);
-    pthread_mutex_destroy(&device->costsMutex);
+    qcMeasuredCosts_Destroy(&device->costs);
     pthread_mutex_destroy(&device->callers);
     qcFree(device, sizeof *device);
 }
@@ -400,7 +303,7 @@ static qcStatus OpenAuto(qcDevice* device)
     qcStatus status = OpenKind(device, kinds[at]);
     while (status != qc_statusOk)
     {
-        qcLog("device %s skipped: %s", s_kinds[kinds[at]].name, device->message);
+        qcLog("device %s skipped: %s", qcDeviceKind_Name(kinds[at]), device->message);
         status = OpenKind(device, kinds[++at]);
     }
     return status;
@@ -412,24 +315,24 @@ qcStatus qcDevice_Create(const qcDeviceDef* given, qcDevice** result)
         return qcFail(qc_statusBadInput, "qcDevice_Create: %s is null", given == NULL ? "def" : "device");
     qcDeviceDef def = qcDefaultDeviceDef();
     QC_TRY(qcDef_Take(given, QC_DEF_LAYOUT("qcDevice_Create", qcDeviceDef, kind), &def));
-    QC_TRY(qcDeviceDef_Check(&def, (unsigned)def.kind <= qc_deviceNone ? s_kinds[def.kind].name : NULL));
+    QC_TRY(qcDeviceDef_Check(&def, qcDeviceKind_Name(def.kind)));
     qcDevice* device = qcAllocateZeroed(sizeof *device);
     if (device == NULL)
         return qcFailMemory(sizeof *device, "a device");
     device->process = getpid();
     pthread_mutex_init(&device->callers, NULL);
-    pthread_mutex_init(&device->costsMutex, NULL);
+    qcMeasuredCosts_Init(&device->costs);
     qcHandOver_Init(&device->handOver);
 
-    device->choice = qcDeviceDef_Choice(&def);
-    qcCacheFiles_FindFolder(def.cacheFolder, device->cacheFolder);
+    device->context.choice = qcDeviceDef_Choice(&def);
+    qcCacheFiles_FindFolder(def.cacheFolder, device->context.cacheFolder);
     device->reopening.firstPause = qcDeviceDef_ReopenPause(&def);
     if (def.kind == qc_deviceAuto && def.shareContext != NULL)
         def.kind = def.shareDisplay != NULL ? qc_deviceEgl : qc_deviceOsmesa;
     qcStatus status = def.kind == qc_deviceAuto ? OpenAuto(device) : OpenKind(device, def.kind);
     if (status != qc_statusOk)
     {
-        qcFail(status, "device %s: %s", s_kinds[device->kind].name, device->message);
+        qcFail(status, "device %s: %s", qcDeviceKind_Name(device->context.kind), device->message);
         FreeDevice(device);
         return status;
     }
@@ -441,20 +344,18 @@ qcStatus qcDevice_Reopen(qcDevice* device)
 {
     if (device == NULL)
         return qcFail(qc_statusBadInput, "qcDevice_Reopen: device is null");
-    if (device->kind == qc_deviceNone)
+    if (device->context.kind == qc_deviceNone)
         return qc_statusOk;
     if (IsInOtherProcess(device))
         return FailInOtherProcess(device, "qcDevice_Reopen");
     pthread_mutex_lock(&device->callers);
     CloseKind(device);
-    qcStatus status = OpenKind(device, device->kind);
+    qcStatus status = OpenKind(device, device->context.kind);
     if (status != qc_statusOk)
-        qcFail(status, "device %s: %s", s_kinds[device->kind].name, device->message);
+        qcFail(status, "device %s: %s", qcDeviceKind_Name(device->context.kind), device->message);
     pthread_mutex_unlock(&device->callers);
     // Another GPU, or another driver, has other costs.
-    pthread_mutex_lock(&device->costsMutex);
-    memset(device->costs, 0, sizeof device->costs);
-    pthread_mutex_unlock(&device->costsMutex);
+    qcMeasuredCosts_Clear(&device->costs);
     return status;
 }
 
@@ -462,7 +363,7 @@ void qcDevice_Destroy(qcDevice* device)
 {
     if (device == NULL)
         return;
-    if (device->kind != qc_deviceNone && IsInOtherProcess(device))
+    if (device->context.kind != qc_deviceNone && IsInOtherProcess(device))
     {
         // The locks can't be destroyed here: a thread of the parent may have held them. The context belongs to the
         // parent.
@@ -475,7 +376,7 @@ void qcDevice_Destroy(qcDevice* device)
 
 static bool IsLost(qcDevice* device)
 {
-    if (device->kind != qc_deviceNone && IsInOtherProcess(device))
+    if (device->context.kind != qc_deviceNone && IsInOtherProcess(device))
         return true;
     qcHandOver_Lock(&device->handOver);
     bool lost = device->lost;
@@ -487,22 +388,22 @@ qcStatus qcDevice_GetInfo(const qcDevice* device, qcDeviceInfo* info)
 {
     if (device == NULL || info == NULL)
         return qcFail(qc_statusBadInput, "qcDevice_GetInfo: %s is null", device == NULL ? "device" : "info");
-    *info = (qcDeviceInfo){.kind = device->kind,
-                           .name = s_kinds[device->kind].name,
-                           .renderer = device->gpu.renderer,
-                           .version = device->gpu.version,
-                           .vendor = device->gpu.vendor,
-                           .maxResolution = device->maxResolution,
-                           .software = device->gpu.software,
-                           .compute = device->compute,
+    *info = (qcDeviceInfo){.kind = device->context.kind,
+                           .name = qcDeviceKind_Name(device->context.kind),
+                           .renderer = device->context.gpu.renderer,
+                           .version = device->context.gpu.version,
+                           .vendor = device->context.gpu.vendor,
+                           .maxResolution = device->context.maxResolution,
+                           .software = device->context.gpu.software,
+                           .compute = device->context.compute,
                            .lost = IsLost((qcDevice*)device)};
-    memcpy(info->uuid, device->gpu.uuid, sizeof info->uuid);
+    memcpy(info->uuid, device->context.gpu.uuid, sizeof info->uuid);
     return qc_statusOk;
 }
 
 bool qcDevice_SharesContext(const qcDevice* device)
 {
-    return device->choice.shareContext != NULL;
+    return device->context.choice.shareContext != NULL;
 }
 
 uint32_t qcDevice_GetGeneration(qcDevice* device)
@@ -554,11 +455,11 @@ qcStatus qcDevice_Run(qcDevice* device, qcDeviceJob* job, void* context, const c
 
 qcStatus qcDevice_RunIn(qcDevice* device, uint32_t generation, qcDeviceJob* job, void* context, const char* purpose)
 {
-    if (device->kind == qc_deviceNone)
+    if (device->context.kind == qc_deviceNone)
         return qcFail(qc_statusDevice, "%s: the device none has no GL", purpose);
     if (IsInOtherProcess(device))
         return FailInOtherProcess(device, purpose);
-    if (atomic_load(&s_isExiting))
+    if (qcDeviceContext_IsExiting())
         return qcFail(qc_statusDeviceLost, "%s: the process ends", purpose);
     // A job must not run a job: it would wait for itself.
     assert(!device->open || !pthread_equal(pthread_self(), device->thread));
@@ -577,7 +478,7 @@ qcStatus qcDevice_RunIn(qcDevice* device, uint32_t generation, qcDeviceJob* job,
 qcStatus qcDevice_Hold(qcDevice* device, const char* purpose)
 {
     // A device without a thread has nothing mapped: jobs fail there.
-    if (device->kind == qc_deviceNone || IsInOtherProcess(device))
+    if (device->context.kind == qc_deviceNone || IsInOtherProcess(device))
         return qc_statusOk;
     qcHandOver_Lock(&device->handOver);
     bool lost = IsLostNow(device);
@@ -590,7 +491,7 @@ qcStatus qcDevice_Hold(qcDevice* device, const char* purpose)
 
 void qcDevice_Release(qcDevice* device)
 {
-    if (device->kind == qc_deviceNone || IsInOtherProcess(device))
+    if (device->context.kind == qc_deviceNone || IsInOtherProcess(device))
         return;
     qcHandOver_Lock(&device->handOver);
     if (--device->holders == 0)
@@ -600,29 +501,13 @@ void qcDevice_Release(qcDevice* device)
 
 bool qcDevice_FindCosts(qcDevice* device, uint32_t threads, qcPlanCosts* costs)
 {
-    bool found = false;
-    if (IsInOtherProcess(device))
-    {
-        *costs = (qcPlanCosts){.layersFixed = INFINITY, .layersPerTriangle = INFINITY};
-        return true;
-    }
-    pthread_mutex_lock(&device->costsMutex);
-    for (int i = 0; i < qc_maxCosts && !found; i++)
-    {
-        found = device->costs[i].threads == threads;
-        if (found)
-            *costs = device->costs[i].costs;
-    }
-    pthread_mutex_unlock(&device->costsMutex);
-    return found;
+    if (!IsInOtherProcess(device))
+        return qcMeasuredCosts_Find(&device->costs, threads, costs);
+    *costs = (qcPlanCosts){.layersFixed = INFINITY, .layersPerTriangle = INFINITY};
+    return true;
 }
 
 void qcDevice_KeepCosts(qcDevice* device, uint32_t threads, const qcPlanCosts* costs)
 {
-    pthread_mutex_lock(&device->costsMutex);
-    int i = 0;
-    while (i < qc_maxCosts - 1 && device->costs[i].threads != 0 && device->costs[i].threads != threads)
-        i++;
-    device->costs[i] = (MeasuredCosts){threads, *costs};
-    pthread_mutex_unlock(&device->costsMutex);
+    qcMeasuredCosts_Keep(&device->costs, threads, costs);
 }

@@ -4,6 +4,8 @@
 
 #include "base/status.h"
 
+#include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
 
 const char* qcGl_ErrorName(GLenum error)
@@ -18,6 +20,19 @@ const char* qcGl_ErrorName(GLenum error)
         case GL_CONTEXT_LOST: return "GL_CONTEXT_LOST";
         default: return "a GL error";
     }
+}
+
+qcStatus qcGl_CheckError(const struct qcGlFunctions* gl, const char* format, ...)
+{
+    GLenum error = gl->GetError();
+    if (error == GL_NO_ERROR)
+        return qc_statusOk;
+    char text[256];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    return qcFail(qc_statusDevice, "%s: %s (0x%x)", text, qcGl_ErrorName(error), error);
 }
 
 bool qcGl_HasExtension(qcGlGetFunction* getFunction, const char* name)

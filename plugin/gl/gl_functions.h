@@ -159,6 +159,8 @@ static inline const struct qcGlFunctions* qcGl_Counted(const struct qcGlFunction
 
 /// "GL_INVALID_ENUM"; "a GL error" for values that GL doesn't define.
 const char* qcGl_ErrorName(GLenum error);
+/// qc_statusDevice if a call has failed since the last check; the message is the formatted text and the error.
+__attribute__((format(printf, 2, 3))) qcStatus qcGl_CheckError(const struct qcGlFunctions* gl, const char* format, ...);
 
 typedef void qcGlFunction(void);
 /// eglGetProcAddress or OSMesaGetProcAddress.

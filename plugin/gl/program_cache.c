@@ -93,9 +93,7 @@ qcStatus qcProgramKey_Make(const struct qcGlFunctions* gl, const char* name, con
     if (gl->programs->cacheFolder == NULL || gl->programs->cacheFolder[0] == 0)
         return qc_statusOk;
     // Errors of the cache are dropped; those of earlier calls must not be.
-    GLenum error = gl->GetError();
-    if (error != GL_NO_ERROR)
-        return qcFail(qc_statusDevice, "before the program %s: %s (0x%x)", name, qcGl_ErrorName(error), error);
+    QC_TRY(qcGl_CheckError(gl, "before the program %s", name));
     if (AddDriver(gl, &key->text) && AddSources(name, sources, sourceCount, &key->text))
         key->folder = gl->programs->cacheFolder;
     DropErrors(gl);

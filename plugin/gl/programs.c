@@ -9,12 +9,27 @@
 
 enum
 {
-    qc_maxStages = 2
+    qc_maxStages = 2,
+    qc_maxLog = 256
 };
 
 static const char* StageName(GLenum stage)
 {
     return stage == GL_VERTEX_SHADER ? "vertex" : stage == GL_FRAGMENT_SHADER ? "fragment" : "compute";
+}
+
+/// Whether GL has compiled a shader, or linked a program; otherwise the beginning of its log. `query`:
+/// GL_COMPILE_STATUS or GL_LINK_STATUS.
+static bool HasSucceeded(GLuint object, GLenum query, PFNGLGETSHADERIVPROC getValue, PFNGLGETSHADERINFOLOGPROC getLog,
+                         char log[qc_maxLog])
+{
+    GLint succeeded = GL_FALSE;
+    getValue(object, query, &succeeded);
+    if (succeeded == GL_TRUE)
+        return true;
+    log[0] = 0;
+    getLog(object, qc_maxLog, NULL, log);
+    return false;
 }
 
 static qcStatus CompileShader(const struct qcGlFunctions* gl, const char* name, const qcShaderSource* source,
@@ -23,12 +38,9 @@ static qcStatus CompileShader(const struct qcGlFunctions* gl, const char* name, 
     *shader = gl->CreateShader(source->stage);
     gl->ShaderSource(*shader, source->partCount, source->parts, NULL);
     gl->CompileShader(*shader);
-    GLint compiled = GL_FALSE;
-    gl->GetShaderiv(*shader, GL_COMPILE_STATUS, &compiled);
-    if (compiled == GL_TRUE)
+    char log[qc_maxLog];
+    if (HasSucceeded(*shader, GL_COMPILE_STATUS, gl->GetShaderiv, gl->GetShaderInfoLog, log))
         return qc_statusOk;
-    char log[256] = "";
-    gl->GetShaderInfoLog(*shader, sizeof log, NULL, log);
     return qcFail(qc_statusDevice, "%s: the %s shader does not compile: %s", name, StageName(source->stage), log);
 }
 
@@ -51,12 +63,9 @@ static qcStatus LinkProgram(const struct qcGlFunctions* gl, const Recipe* recipe
     gl->BindAttribLocation(*program, 1, "normal");
     qcProgramCache_Announce(gl, &recipe->key, *program);
     gl->LinkProgram(*program);
-    GLint linked = GL_FALSE;
-    gl->GetProgramiv(*program, GL_LINK_STATUS, &linked);
-    if (linked == GL_TRUE)
+    char log[qc_maxLog];
+    if (HasSucceeded(*program, GL_LINK_STATUS, gl->GetProgramiv, gl->GetProgramInfoLog, log))
         return qc_statusOk;
-    char log[256] = "";
-    gl->GetProgramInfoLog(*program, sizeof log, NULL, log);
     gl->DeleteProgram(*program);
     return qcFail(qc_statusDevice, "%s: the program does not link: %s", recipe->name, log);
 }

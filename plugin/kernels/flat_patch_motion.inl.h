@@ -226,18 +226,11 @@ QC_INLINE Ints FacesForward(const ProjectedEdges* a, const ProjectedEdges* b, fl
 
 static bool FacesOneWayInMotion(const qcPatchGeometry patches[2], const float scales[2], const Loop* loop)
 {
-    const qcPatchGeometry* start = &patches[0];
     float pointError = Greater(patches[0].pointError * scales[0], patches[1].pointError * scales[1]);
-    for (size_t at = 0; at < start->slotCount; at += QC_LANES)
+    for (size_t at = 0; at < patches[0].slotCount; at += QC_LANES)
     {
-        size_t count = start->slotCount - at < QC_LANES ? start->slotCount - at : QC_LANES;
         uint32_t id[3][QC_LANES];
-        for (size_t lane = 0; lane < QC_LANES; lane++)
-        {
-            const uint32_t* vertex = start->corners[start->slots[at + (lane < count ? lane : 0)]].vertex;
-            for (int c = 0; c < 3; c++)
-                id[c][lane] = vertex[c];
-        }
+        ListCorners(&patches[0], at, id);
         ProjectedEdges a = ProjectEdges(patches[0].points, id, scales[0], loop),
                        b = ProjectEdges(patches[1].points, id, scales[1], loop);
         if (SignBits(~FacesForward(&a, &b, loop->sign, pointError)) != 0)

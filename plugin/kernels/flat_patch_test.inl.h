@@ -237,19 +237,26 @@ static bool IsSimple(const qcPatchGeometry* patch, const Loop* loop)
     return true;
 }
 
+/// Lists the vertices of QC_LANES triangles of a patch from number `at` on, by corner; behind the last one the first of
+/// them again.
+QC_INLINE void ListCorners(const qcPatchGeometry* patch, size_t at, uint32_t id[3][QC_LANES])
+{
+    size_t count = patch->slotCount - at < QC_LANES ? patch->slotCount - at : QC_LANES;
+    for (size_t lane = 0; lane < QC_LANES; lane++)
+    {
+        const uint32_t* vertex = patch->corners[patch->slots[at + (lane < count ? lane : 0)]].vertex;
+        for (int c = 0; c < 3; c++)
+            id[c][lane] = vertex[c];
+    }
+}
+
 /// All triangles face along d, with altitudes above the query distance. Lengths of edges are wrong by up to 4 e.
 static bool FacesOneWay(const qcPatchGeometry* patch, const Loop* loop)
 {
     for (size_t at = 0; at < patch->slotCount; at += QC_LANES)
     {
-        size_t count = patch->slotCount - at < QC_LANES ? patch->slotCount - at : QC_LANES;
         uint32_t id[3][QC_LANES];
-        for (size_t lane = 0; lane < QC_LANES; lane++)
-        {
-            const uint32_t* vertex = patch->corners[patch->slots[at + (lane < count ? lane : 0)]].vertex;
-            for (int c = 0; c < 3; c++)
-                id[c][lane] = vertex[c];
-        }
+        ListCorners(patch, at, id);
         Vectors first = LoadPoints(patch->points, id[0]);
         Vectors e = Subtract(LoadPoints(patch->points, id[1]), first);
         Vectors f = Subtract(LoadPoints(patch->points, id[2]), first);

@@ -3,25 +3,20 @@
 
 #include "base/cpu_features.h"
 
-static const void* const s_tables[] = {
+static const qcKernelTables s_tables = {{
     &qcTriangleKernels_scalar,
 #ifdef QC_KERNELS_X86
     &qcTriangleKernels_avx2,
     &qcTriangleKernels_avx512,
 #endif
-};
-
-enum
-{
-    qc_tableCount = sizeof s_tables / sizeof s_tables[0]
-};
+}};
 
 const qcTriangleKernels* qcTriangleKernels_Get(void)
 {
-    return qcKernelTables_Choose(s_tables, qc_tableCount);
+    return qcKernelTables_Choose(&s_tables);
 }
 
 const qcTriangleKernels* qcTriangleKernels_Nth(size_t i)
 {
-    return qcKernelTables_Nth(s_tables, qc_tableCount, i);
+    return qcKernelTables_Nth(&s_tables, i);
 }

@@ -3,6 +3,7 @@
 // reconstruction from unorganized points, SIGGRAPH 1992, section 3.3); then the sign of each connected component, by
 // the shorter separation distance. The rules, their reasons and limits: plugin/docs/manifolds.md.
 #include "manifold/normals.h"
+#include "base/scalar.h"
 #include "base/status.h"
 #include "base/union_find.h"
 
@@ -70,11 +71,6 @@ static const qcRegionProximity* Region(const Job* job, uint32_t pair)
 
 //  ---- components -----------------------------------------------------------------------------------------
 
-static double Max(double x, double y)
-{
-    return x > y ? x : y;
-}
-
 /// A component of one pair.
 static void BeginComponent(const Job* job, uint32_t p)
 {
@@ -93,7 +89,7 @@ static void BeginComponent(const Job* job, uint32_t p)
     component->along = component->sumAlong = along;
     component->against = component->sumAgainst = against;
     for (int side = 0; side < 2; side++)
-        component->size = Max(pair->side[side]->longestEdge, component->size);
+        component->size = qcMax(pair->side[side]->longestEdge, component->size);
     component->normal = job->normals[p].normal;
     component->position = qcPlusScaled(component->position, qcVector_Load(proximity->pointA), 0.5);
     component->position = qcPlusScaled(component->position, qcVector_Load(proximity->pointB), 0.5);
@@ -102,11 +98,11 @@ static void BeginComponent(const Job* job, uint32_t p)
 /// Adds a component to another one, reversed if it is opposite.
 static void AddComponent(const Component* other, bool opposite, Component* component)
 {
-    component->along = Max(component->along, opposite ? other->against : other->along);
-    component->against = Max(component->against, opposite ? other->along : other->against);
+    component->along = qcMax(component->along, opposite ? other->against : other->along);
+    component->against = qcMax(component->against, opposite ? other->along : other->against);
     component->sumAlong += opposite ? other->sumAgainst : other->sumAlong;
     component->sumAgainst += opposite ? other->sumAlong : other->sumAgainst;
-    component->size = Max(component->size, other->size);
+    component->size = qcMax(component->size, other->size);
     component->normal = qcPlusScaled(component->normal, other->normal, opposite ? -1.0 : 1.0);
     component->position = qcPlusScaled(component->position, other->position, 1.0);
     component->count += other->count;

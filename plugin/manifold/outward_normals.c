@@ -69,11 +69,11 @@ static qcVector OutwardOf(const Job* job, const qcManifoldPair* pair, int side)
 static void SetNormal(WayOut* way)
 {
     const qcVector sum = qcPlusScaled(way->sums[0], way->sums[1], 1.0), zero = {0.0, 0.0, 0.0};
-    double length = sqrt(qcDot(sum, sum)), least = s_clear * way->count;
+    double length = sqrt(qcDot(sum, sum)), minAlong = s_clear * way->count;
     if (!(length > 0.0))
         return;
     qcVector normal = qcPlusScaled(zero, sum, 1.0 / length);
-    if (qcDot(way->sums[0], normal) > least && qcDot(way->sums[1], normal) > least)
+    if (qcDot(way->sums[0], normal) > minAlong && qcDot(way->sums[1], normal) > minAlong)
         way->normal = normal;
 }
 

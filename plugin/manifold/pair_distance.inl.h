@@ -100,11 +100,12 @@ QC_INLINE Triangles8 LoadTriangles8(const float corner[3][3][qc_distanceLanes])
 
 QC_INLINE void TestEdges(Shortest* best, const Triangles8* a, int i, const Triangles8* b, int k)
 {
-    const Floats zero = {0}, least = zero + 1e-30f;
+    const Floats zero = {0}, minPositive = zero + 1e-30f;
     Vectors8 r = Minus8(a->corner[i], b->corner[k]);
     Floats d = Dot8(a->edge[i], b->edge[k]), c = Dot8(a->edge[i], r), f = Dot8(b->edge[k], r);
     Floats determinant = a->edge2[i] * b->edge2[k] - d * d;
-    Floats s = ClampToUnit((d * f - c * b->edge2[k]) / SelectFloats(determinant > least, determinant, least));
+    Floats s =
+        ClampToUnit((d * f - c * b->edge2[k]) / SelectFloats(determinant > minPositive, determinant, minPositive));
     Floats t = ClampToUnit((d * s + f) / b->edge2[k]);
     s = ClampToUnit((d * t - c) / a->edge2[i]);
     KeepShorter(best, PlusScaled8(PlusScaled8(r, a->edge[i], s), b->edge[k], -t), zero == zero);

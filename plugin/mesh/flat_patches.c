@@ -209,7 +209,7 @@ static uint32_t FillMasks(Builder* b, const qcFlatPatch* patch)
     return ownCount;
 }
 
-static qcStatus KeepLoop(Builder* b, qcFlatPatch* patch)
+static qcStatus StoreLoop(Builder* b, qcFlatPatch* patch)
 {
     qcArray* loops = &b->loops;
     patch->firstLoop = (uint32_t)loops->count;
@@ -287,7 +287,7 @@ static qcStatus GrowAround(Builder* b, uint32_t patch, uint32_t firstNode, uint3
             best = 0;
             continue;
         }
-        QC_TRY(KeepLoop(b, made));
+        QC_TRY(StoreLoop(b, made));
         FillLinks(b, made);
     }
     return qc_statusOk;
@@ -318,17 +318,18 @@ static void GrowSize(void* context, size_t size, uint32_t worker)
 }
 
 /// Appends the slots and loops of the patches of one size.
-static qcStatus AddSize(qcFlatPatches* d, const Builder* b)
+static qcStatus AddSize(qcFlatPatches* patches, const Builder* b)
 {
     QC_TRY(qcWorkerResult_Check(&b->result));
-    size_t first = b->size == 0 ? 0 : d->nodeCount, end = b->size == 0 ? d->nodeCount : d->patches.count;
+    size_t first = b->size == 0 ? 0 : patches->nodeCount,
+           end = b->size == 0 ? patches->nodeCount : patches->patches.count;
     for (size_t i = first; i < end; i++)
     {
-        QC_AT(qcFlatPatch, d->patches, i).firstSlot += (uint32_t)d->slots.count;
-        QC_AT(qcFlatPatch, d->patches, i).firstLoop += (uint32_t)d->loops.count;
+        QC_AT(qcFlatPatch, patches->patches, i).firstSlot += (uint32_t)patches->slots.count;
+        QC_AT(qcFlatPatch, patches->patches, i).firstLoop += (uint32_t)patches->loops.count;
     }
-    QC_TRY(qcArray_Append(&d->slots, &b->slots, sizeof(uint32_t), "flat patches"));
-    return qcArray_Append(&d->loops, &b->loops, sizeof(uint32_t), "flat patches");
+    QC_TRY(qcArray_Append(&patches->slots, &b->slots, sizeof(uint32_t), "flat patches"));
+    return qcArray_Append(&patches->loops, &b->loops, sizeof(uint32_t), "flat patches");
 }
 
 qcStatus qcFlatPatches_Begin(qcFlatPatches* patches, qcPatchGrowth* growth, const qcPatchSource* source)

@@ -67,7 +67,7 @@ qcStatus qcFlatPatches_Begin(qcFlatPatches* patches, qcPatchGrowth* growth, cons
 /// the number of nodes. O(nodes).
 qcStatus qcFlatPatches_Grow(qcFlatPatches* patches, qcPatchGrowth* growth, const qcPatchSource* source,
                             uint32_t nodeCount, uint32_t threads);
-/// Frees what only the making needs.
+/// Frees the memory of the making; the patches stay.
 void qcPatchGrowth_Free(qcPatchGrowth* growth);
 void qcFlatPatches_Free(qcFlatPatches* patches);
 

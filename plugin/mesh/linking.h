@@ -30,7 +30,7 @@ qcStatus qcLinking_FindLinks(qcLinking* linking, qcClusters* clusters);
 /// Makes the pair masks of the next `nodeCount` nodes, or of those that are left. O(pairs of neighbours).
 qcStatus qcLinking_Continue(qcLinking* linking, qcClusters* clusters, uint32_t nodeCount);
 
-/// Frees what only the making needs.
+/// Frees the memory of the making; the links stay.
 void qcLinking_Free(qcLinking* linking);
 
 #endif

@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-// Numbers whose products and quotients stay far from the limits of single precision.
-static const double s_greatest = 0x1p100, s_smallest = 0x1p-100;
+// Products and quotients of numbers between these stay far from the limits of single precision.
+static const double s_maxCoordinate = 0x1p100, s_minExtent = 0x1p-100;
 
 // Cells: far more than a coordinate's error in single precision, which is below 2^-18.
 static const double s_error = 0x1p-10;
@@ -15,13 +15,13 @@ bool qcRegionCells_Begin(qcRegionCells* cells, const double lower[3], const doub
     *cells = (qcRegionCells){.scale = 0.0};
     for (int axis = 0; axis < 3; axis++)
     {
-        if (!(fabs(lower[axis]) < s_greatest && fabs(upper[axis]) < s_greatest))
+        if (!(fabs(lower[axis]) < s_maxCoordinate && fabs(upper[axis]) < s_maxCoordinate))
             return false;
         cells->lower[axis] = lower[axis];
         extent = fmax(extent, upper[axis] - lower[axis]);
     }
     cells->scale = (double)qc_cellsAlong / extent;
-    return extent > s_smallest;
+    return extent > s_minExtent;
 }
 
 double qcRegionCells_Size(const qcRegionCells* cells)

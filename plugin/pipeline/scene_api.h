@@ -4,7 +4,7 @@
 
 #include "quickcullide/scene.h"
 
-/// qcScene_Create without a look at QC_RECORD, for measurements of the library's own.
+/// qcScene_Create, but QC_RECORD has no effect: for measurements of the library's own.
 qcStatus qcScene_CreateUnrecorded(const qcSceneDef* def, qcScene** scene);
 
 #endif

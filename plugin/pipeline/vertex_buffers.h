@@ -30,10 +30,10 @@ bool qcVertexBuffers_SufficeFor(const qcStep* step);
 
 /// Brings qcBody::world up to date; reads positions back if the CPU doesn't have them. `bytes` grows by those read.
 qcStatus qcVertexBuffers_Complete(const qcBody* body, uint32_t slot, uint64_t* bytes);
-/// Those of all bodies of a scene.
+/// Does so for all bodies of a scene.
 qcStatus qcVertexBuffers_CompleteAll(const qcBodies* bodies, uint64_t* bytes);
-/// Those of a step's bodies whose triangle pairs don't come from the device, but without making doubles of floats where
-/// BVHs can do with floats. `onDevice`: flags, by body of the step.
+/// Does so for the bodies of a step whose triangle pairs don't come from the device. Floats become no doubles where the
+/// sweep of a body reads floats. `onDevice`: flags, by body of the step.
 qcStatus qcVertexBuffers_CompleteOthers(const qcStep* step, const qcStepTriangles* triangles, const uint8_t* onDevice,
                                         uint64_t* bytes);
 /// Brings qcBody::world up to date for bodies with pairs that neither a device nor BVHs find. `handledElsewhere`:

@@ -1,7 +1,8 @@
 // The planner.
 #include "plan/plan.h"
 
-#include <math.h>
+#include "base/aabb.h"
+
 #include <stddef.h>
 
 enum
@@ -61,23 +62,15 @@ bool qcPlan_IsWorthADevice(const qcPlanItem* islands, size_t count)
     return triangles >= qc_fewTriangles;
 }
 
-static double Widest(const double lower[3], const double upper[3])
-{
-    return fmax(upper[0] - lower[0], fmax(upper[1] - lower[1], upper[2] - lower[2]));
-}
-
 void qcPlan_ChooseIslands(const qcPlanCosts* costs, qcPlanHistory* history, qcPlanItem* islands, size_t count,
                           double* triangles)
 {
-    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+    double lower[3], upper[3];
+    qcBounds_Clear(lower, upper);
     for (size_t i = 0; i < count; i++)
-        for (int axis = 0; axis < 3; axis++)
-        {
-            lower[axis] = fmin(lower[axis], islands[i].lower[axis]);
-            upper[axis] = fmax(upper[axis], islands[i].upper[axis]);
-        }
+        qcBounds_IncludeBox(islands[i].lower, islands[i].upper, lower, upper);
     // All islands on the device share one grid: an island whose triangles are too small in it stays on the CPU.
-    double widest = Widest(lower, upper);
+    double widest = qcBounds_Widest(lower, upper);
     *triangles = 0.0;
     for (size_t i = 0; i < count; i++)
     {

@@ -8,7 +8,6 @@
 #include "scene/vertex_input.h"
 
 #include <assert.h>
-#include <float.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <string.h>
@@ -36,24 +35,6 @@ static bool IsIdentity(const qcTransform* t)
         if (t->linear[i] != identity.linear[i])
             return false;
     return t->translation[0] == 0.0 && t->translation[1] == 0.0 && t->translation[2] == 0.0;
-}
-
-static void Include(const double p[3], double lower[3], double upper[3])
-{
-    for (int axis = 0; axis < 3; axis++)
-    {
-        lower[axis] = p[axis] < lower[axis] ? p[axis] : lower[axis];
-        upper[axis] = p[axis] > upper[axis] ? p[axis] : upper[axis];
-    }
-}
-
-static void EmptyBox(double lower[3], double upper[3])
-{
-    for (int axis = 0; axis < 3; axis++)
-    {
-        lower[axis] = DBL_MAX;
-        upper[axis] = -DBL_MAX;
-    }
 }
 
 /// Positions of all vertices of a body: one of them, the other is null.
@@ -144,7 +125,7 @@ static qcStatus Place(qcBody* body, uint32_t slot, const qcTransform* transform)
             TransformBox(body->vertexLower, body->vertexUpper, transform, lower, upper) &&
             (!hasBox || TransformBox(body->localLower, body->localUpper, transform, placed.lower, placed.upper));
     if (!isBounded && hasBox)
-        EmptyBox(placed.lower, placed.upper);
+        qcBounds_Clear(placed.lower, placed.upper);
     for (uint32_t v = 0; v < placed.vertexCount && !isBounded; v++)
     {
         double p[3];
@@ -153,7 +134,7 @@ static qcStatus Place(qcBody* body, uint32_t slot, const qcTransform* transform)
             return qcFail(qc_statusBadInput, "the transform of body %u takes vertex %u beyond all finite numbers", slot,
                           v);
         if (placed.used == NULL || placed.used[v])
-            Include(p, placed.lower, placed.upper);
+            qcBounds_IncludePoint(p, placed.lower, placed.upper);
     }
     DepartFromStart(body);
     placed.start = body->start;
@@ -249,9 +230,9 @@ static qcStatus MakeBody(const qcBodyDef* def, const qcVertexInput* source, uint
     qcStatus status = FindUsed(body);
     if (status == qc_statusOk)
     {
-        EmptyBox(body->localLower, body->localUpper);
+        qcBounds_Clear(body->localLower, body->localUpper);
         IncludeVertices(body, (Positions){positions, NULL}, 0, body->vertexCount, body->localLower, body->localUpper);
-        EmptyBox(body->vertexLower, body->vertexUpper);
+        qcBounds_Clear(body->vertexLower, body->vertexUpper);
         qcBounds_Include(positions, body->vertexCount, body->vertexLower, body->vertexUpper);
         status = Place(body, slot, &body->transform);
     }
@@ -346,7 +327,7 @@ static void ReadBlock(void* context, size_t block, uint32_t worker)
     const qcVertexInput part = qcVertexInput_Block(reading->source, block);
     const size_t first = block * qc_inputBlock;
     WorkerBox *box = &reading->boxes[worker], unused;
-    EmptyBox(unused.lower, unused.upper);
+    qcBounds_Clear(unused.lower, unused.upper);
     if (reading->floats == NULL)
         qcVertexInput_Read(&part, body->world + 3 * first);
     else
@@ -370,16 +351,11 @@ static bool ReadVertices(const qcBody* body, const qcVertexInput* source, uint32
     reading.floats = floats;
     atomic_init(&reading.failed, false);
     for (uint32_t i = 0; i < threads; i++)
-        EmptyBox(reading.boxes[i].lower, reading.boxes[i].upper);
+        qcBounds_Clear(reading.boxes[i].lower, reading.boxes[i].upper);
     qcParallel_For(threads, qcVertexInput_BlockCount(source), qc_minInputBlocks, ReadBlock, &reading);
-    EmptyBox(lower, upper);
+    qcBounds_Clear(lower, upper);
     for (uint32_t i = 0; i < threads; i++)
-        for (int axis = 0; axis < 3; axis++)
-        {
-            const WorkerBox* box = &reading.boxes[i];
-            lower[axis] = box->lower[axis] < lower[axis] ? box->lower[axis] : lower[axis];
-            upper[axis] = box->upper[axis] > upper[axis] ? box->upper[axis] : upper[axis];
-        }
+        qcBounds_IncludeBox(reading.boxes[i].lower, reading.boxes[i].upper, lower, upper);
     return !atomic_load(&reading.failed);
 }
 
@@ -430,7 +406,7 @@ void qcBodies_MoveOnDevice(qcBodies* bodies, uint32_t slot, const float lower[3]
     // The buffer that took the place of `world` may hold no numbers at all.
     if (departs && body->vertexCount != 0)
         memcpy(body->world, body->start.world, 3 * sizeof(double) * body->vertexCount);
-    EmptyBox(body->lower, body->upper);
+    qcBounds_Clear(body->lower, body->upper);
     for (int axis = 0; axis < 3 && lower[0] <= upper[0]; axis++)
     {
         body->lower[axis] = (double)lower[axis];

@@ -1,6 +1,7 @@
 // Numbering of a step's triangles.
 #include "scene/step_triangles.h"
 
+#include "base/aabb.h"
 #include "base/related_pair.h"
 #include "base/status.h"
 #include "scene/float_positions.h"
@@ -54,22 +55,13 @@ qcStatus qcStepTriangles_Number(qcStepTriangles* t, const qcBodies* bodies)
     return qc_statusOk;
 }
 
-static void Enclose(const double startLower[3], const double startUpper[3], double lower[3], double upper[3])
-{
-    for (int axis = 0; axis < 3; axis++)
-    {
-        lower[axis] = startLower[axis] < lower[axis] ? startLower[axis] : lower[axis];
-        upper[axis] = startUpper[axis] > upper[axis] ? startUpper[axis] : upper[axis];
-    }
-}
-
 void qcStepTriangles_GetBodyBox(const qcStepTriangles* t, uint32_t body, double lower[3], double upper[3])
 {
     const qcBody* b = qcStepTriangles_Body(t, body);
     memcpy(lower, b->lower, sizeof b->lower);
     memcpy(upper, b->upper, sizeof b->upper);
     if (t->motion && b->start.differs)
-        Enclose(b->start.lower, b->start.upper, lower, upper);
+        qcBounds_IncludeBox(b->start.lower, b->start.upper, lower, upper);
 }
 
 void qcStepTriangles_GetTriangleBox(const qcStepTriangles* t, uint32_t body, uint32_t triangle, double lower[3],
@@ -82,7 +74,7 @@ void qcStepTriangles_GetTriangleBox(const qcStepTriangles* t, uint32_t body, uin
     double corners[3][3];
     qcBody_GetStartTriangle(b, triangle, corners);
     for (int c = 0; c < 3; c++)
-        Enclose(corners[c], corners[c], lower, upper);
+        qcBounds_IncludePoint(corners[c], lower, upper);
 }
 
 void qcStepTriangles_Free(qcStepTriangles* t)

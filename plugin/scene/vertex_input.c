@@ -4,6 +4,7 @@
 #include "base/aabb.h"
 #include "base/four_floats.h"
 #include "base/parallel_for.h"
+#include "base/scalar.h"
 #include "base/status.h"
 
 #include <float.h>
@@ -214,19 +215,17 @@ static size_t CopyEights(const char* from, size_t count, float* out, double lowe
             qcFourFloats_Store(y, out + 4 * (6 * i + 3 + k));
         }
     *finite = (unordered[0] | unordered[1] | unordered[2] | unordered[3]) == 0;
-    float lowest[3] = {FLT_MAX, FLT_MAX, FLT_MAX}, highest[3] = {-FLT_MAX, -FLT_MAX, -FLT_MAX};
+    double lowest[3] = {FLT_MAX, FLT_MAX, FLT_MAX}, highest[3] = {-FLT_MAX, -FLT_MAX, -FLT_MAX};
     for (int k = 0; k < 12; k++)
     {
-        lowest[k % 3] = low[k / 4][k % 4] < lowest[k % 3] ? low[k / 4][k % 4] : lowest[k % 3];
-        highest[k % 3] = high[k / 4][k % 4] > highest[k % 3] ? high[k / 4][k % 4] : highest[k % 3];
+        lowest[k % 3] = qcMin((double)low[k / 4][k % 4], lowest[k % 3]);
+        highest[k % 3] = qcMax((double)high[k / 4][k % 4], highest[k % 3]);
     }
-    for (int axis = 0; axis < 3 && eights != 0; axis++)
-    {
-        // Where all are numbers, an infinite one is among the bounds.
+    // Where all are numbers, an infinite one is among the bounds.
+    for (int axis = 0; axis < 3; axis++)
         *finite = *finite && isfinite(lowest[axis]) && isfinite(highest[axis]);
-        lower[axis] = (double)lowest[axis] < lower[axis] ? (double)lowest[axis] : lower[axis];
-        upper[axis] = (double)highest[axis] > upper[axis] ? (double)highest[axis] : upper[axis];
-    }
+    if (eights != 0)
+        qcBounds_IncludeBox(lowest, highest, lower, upper);
     return 8 * eights;
 }
 

@@ -4,6 +4,7 @@
 // numbers, stays true when the sum is rounded. Proof: plugin/docs/proofs/sweep_and_prune.md.
 #include "sweep/body_pairs.h"
 
+#include "base/aabb.h"
 #include "base/status.h"
 
 #include <string.h>
@@ -125,15 +126,6 @@ qcStatus qcBodyPairs_Find(const qcStepTriangles* triangles, const qcPcs* pcs, do
     return CountPartners(triangles->bodyCount, pairs);
 }
 
-static bool AreNear(const double lowerA[3], const double upperA[3], const double lowerB[3], const double upperB[3],
-                    double distance)
-{
-    bool near = true;
-    for (int axis = 0; axis < 3; axis++)
-        near = near && lowerA[axis] <= upperB[axis] + distance && lowerB[axis] <= upperA[axis] + distance;
-    return near;
-}
-
 qcStatus qcBodyPairs_FindBrute(const qcStepTriangles* triangles, const qcPcs* pcs, double queryDistance,
                                qcBodyPairs* pairs, qcProfile* profile)
 {
@@ -145,7 +137,7 @@ qcStatus qcBodyPairs_FindBrute(const qcStepTriangles* triangles, const qcPcs* pc
             double lowerA[3], upperA[3], lowerB[3], upperB[3];
             qcStepTriangles_GetBodyBox(triangles, a, lowerA, upperA);
             qcStepTriangles_GetBodyBox(triangles, b, lowerB, upperB);
-            if (IsPresent(triangles, pcs, b) && AreNear(lowerA, upperA, lowerB, upperB, queryDistance))
+            if (IsPresent(triangles, pcs, b) && qcBounds_AreNear(lowerA, upperA, lowerB, upperB, queryDistance))
                 OfferPair(&search, a, b);
         }
     QC_TRY(search.status);
@@ -166,7 +158,7 @@ static void MarkNear(const qcStepTriangles* triangles, uint32_t body, uint32_t p
             continue;
         double lower[3], upper[3];
         qcStepTriangles_GetTriangleBox(triangles, body, t, lower, upper);
-        if (AreNear(lower, upper, partnerLower, partnerUpper, distance))
+        if (qcBounds_AreNear(lower, upper, partnerLower, partnerUpper, distance))
             sets[t] |= qcPcs_Pack(qc_setNfv, qc_setBfv);
     }
 }

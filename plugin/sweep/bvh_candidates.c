@@ -1,6 +1,7 @@
 // Jobs for the search of BVHs, and candidate keys from pairs of slots.
 #include "sweep/bvh_candidates.h"
 
+#include "base/aabb.h"
 #include "base/parallel_for.h"
 #include "base/status.h"
 #include "sweep/bvh/partial_refit.h"
@@ -46,17 +47,14 @@ static void KeysOf(const void* context, const qcSlotPair* pairs, size_t count, u
         keys[i] = qcStepTriangles_Key(sides->first[0] + a[pairs[i].a], sides->first[1] + b[pairs[i].b]);
 }
 
-/// True if the boxes of the triangles in double are farther apart than the query distance.
-static bool AreApart(const PairSides* sides, qcSlotPair pair, double query)
+/// Whether the boxes of the triangles in double are within the query distance.
+static bool AreNear(const PairSides* sides, qcSlotPair pair, double query)
 {
     const qcStepTriangles* t = sides->run->job->triangles;
     double lower[2][3], upper[2][3];
     qcStepTriangles_GetTriangleBox(t, sides->bodies[0], sides->triangles[0][pair.a], lower[0], upper[0]);
     qcStepTriangles_GetTriangleBox(t, sides->bodies[1], sides->triangles[1][pair.b], lower[1], upper[1]);
-    bool apart = false;
-    for (int axis = 0; axis < 3; axis++)
-        apart |= lower[0][axis] > upper[1][axis] + query || lower[1][axis] > upper[0][axis] + query;
-    return apart;
+    return qcBounds_AreNear(lower[0], upper[0], lower[1], upper[1], query);
 }
 
 /// Drops undecided pairs that boxes of a coarse BVH could not tell apart: of some thousand triangles in one level these
@@ -70,7 +68,7 @@ static void DropApart(const PairSides* sides, qcClassifiedPairs* found)
     for (size_t i = kept; i < found->count; i++)
     {
         found->pairs[kept] = found->pairs[i];
-        kept += !AreApart(sides, found->pairs[i], query);
+        kept += AreNear(sides, found->pairs[i], query);
     }
     found->count = kept;
 }

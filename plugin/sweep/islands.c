@@ -1,6 +1,7 @@
 // Connected components of the graph of body pairs.
 #include "sweep/islands.h"
 
+#include "base/aabb.h"
 #include "base/status.h"
 #include "base/union_find.h"
 #include "mesh/triangle_sample.h"
@@ -10,18 +11,14 @@
 
 enum
 {
-    // Triangles of a body that are looked at. A few stray vertices do not change the median.
+    // Triangles of a body that are sampled. A few stray vertices do not change the median.
     qc_sampledTriangles = 9
 };
 
 static void Include(qcPlanItem* island, const qcBody* body)
 {
     island->triangles += body->triangleCount;
-    for (int axis = 0; axis < 3; axis++)
-    {
-        island->lower[axis] = body->lower[axis] < island->lower[axis] ? body->lower[axis] : island->lower[axis];
-        island->upper[axis] = body->upper[axis] > island->upper[axis] ? body->upper[axis] : island->upper[axis];
-    }
+    qcBounds_IncludeBox(body->lower, body->upper, island->lower, island->upper);
 }
 
 /// Fills the union-find forest, and marks the bodies of pairs in islandOf by 0, all others by QC_NO_ISLAND.
@@ -57,8 +54,9 @@ qcStatus qcIslands_Find(const qcStepTriangles* triangles, const qcBodyPairs* pai
         if (root == body)
         {
             islandOf[body] = (uint32_t)islands->items.count++;
-            QC_AT(qcPlanItem, islands->items, islandOf[body]) =
-                (qcPlanItem){.lower = {DBL_MAX, DBL_MAX, DBL_MAX}, .upper = {-DBL_MAX, -DBL_MAX, -DBL_MAX}};
+            qcPlanItem* island = &QC_AT(qcPlanItem, islands->items, islandOf[body]);
+            *island = (qcPlanItem){.triangles = 0};
+            qcBounds_Clear(island->lower, island->upper);
         }
         else
             islandOf[body] = islandOf[root];

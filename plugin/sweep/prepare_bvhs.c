@@ -1,4 +1,6 @@
 // Which bodies have a BVH in this step, and its build, refit or partial refit.
+#include "sweep/bvh_candidates.h"
+
 #include "base/parallel_for.h"
 #include "base/status.h"
 #include "scene/float_positions.h"
@@ -308,8 +310,8 @@ static double FitMargin(const qcBvhCandidatesJob* job, const qcBody* body, doubl
     return qcBvhCandidates_DistanceWithin(job, body->margin + maxMargin);
 }
 
-/// Whether leaf nodes of the body are fitted when a search has found them: of a body that only meets others. The first
-/// fit is a whole one, since the outline's lists take time.
+/// Whether leaf nodes of the body are fitted once a search has found them. This is done for bodies without
+/// self-collision. The first fit is a whole one, since the outline's lists take time.
 static bool IsOutlined(const qcBvhCandidatesJob* job, const qcTriangleBvh* bvh, const qcBody* body)
 {
     return !job->triangles->motion && !qcBody_HasSelfCollision(body) && !qcTriangleBvh_FitsLocally(body) &&

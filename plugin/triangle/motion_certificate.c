@@ -3,7 +3,9 @@
 // that is proven. Gilbert, Johnson, Keerthi: A Fast Procedure for Computing the Distance Between Complex Objects, 1988.
 #include "triangle/motion_certificate.h"
 
+#include "base/aabb.h"
 #include "base/float_mode.h"
+#include "base/scalar.h"
 #include "base/vec3.h"
 #include "quickcullide/scene.h"
 
@@ -24,15 +26,9 @@ typedef struct RelativeCorners
     qcVector a[2][3], b[2][3];
 } RelativeCorners;
 
-/// The first number if the second is not larger, or is NaN.
-static inline double Larger(double a, double b)
-{
-    return b > a ? b : a;
-}
-
 static inline double LargestCoordinate(qcVector v)
 {
-    return Larger(Larger(fabs(v.x), fabs(v.y)), fabs(v.z));
+    return qcMax(fabs(v.z), qcMax(fabs(v.y), fabs(v.x)));
 }
 
 /// The relative corners of one end. False: differences overflow, or all corners coincide.
@@ -44,9 +40,9 @@ static bool MakeRelative(const double a[3][3], const double b[3][3], qcVector re
     {
         relativeA[c] = qcMinus(qcVector_Load(a[c]), origin);
         relativeB[c] = qcMinus(qcVector_Load(b[c]), origin);
-        size = Larger(size, LargestCoordinate(relativeA[c]));
-        size = Larger(size, LargestCoordinate(relativeB[c]));
-        // Larger ignores NaN, which is infinity minus infinity here.
+        size = qcMax(LargestCoordinate(relativeA[c]), size);
+        size = qcMax(LargestCoordinate(relativeB[c]), size);
+        // qcMax returns `size` for NaN, which is infinity minus infinity here.
         if (!(relativeB[c].x + relativeB[c].y + relativeB[c].z - relativeA[c].x - relativeA[c].y - relativeA[c].z <
               INFINITY))
             return false;
@@ -238,24 +234,13 @@ static bool IsEqual(qcVector a, qcVector b)
     return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
-static void FindBox(const double corners[3][3], double lower[3], double upper[3])
-{
-    for (int k = 0; k < 3; k++)
-    {
-        double x = corners[0][k], y = corners[1][k], z = corners[2][k];
-        double low = y < x ? y : x, high = y > x ? y : x;
-        lower[k] = z < low ? z : low;
-        upper[k] = z > high ? z : high;
-    }
-}
-
 bool qcMotion_BoxesSeparate(const qcMovingTriangle* a, const qcMovingTriangle* b, double direction[3])
 {
     double lowerA[2][3], upperA[2][3], lowerB[2][3], upperB[2][3];
-    FindBox(a->start, lowerA[0], upperA[0]);
-    FindBox(a->end, lowerA[1], upperA[1]);
-    FindBox(b->start, lowerB[0], upperB[0]);
-    FindBox(b->end, lowerB[1], upperB[1]);
+    qcBounds_OfTriangle(a->start, lowerA[0], upperA[0]);
+    qcBounds_OfTriangle(a->end, lowerA[1], upperA[1]);
+    qcBounds_OfTriangle(b->start, lowerB[0], upperB[0]);
+    qcBounds_OfTriangle(b->end, lowerB[1], upperB[1]);
     for (int k = 0; k < 3; k++)
     {
         bool above = lowerA[0][k] > upperB[0][k] && lowerA[1][k] > upperB[1][k];

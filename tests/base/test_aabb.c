@@ -1,10 +1,12 @@
-// The box of vertices is that of each number compared with the others, for every count and for both types.
+// Boxes: of vertices, for every count and for both types, against each number compared with the others; united, and
+// tested for distance and overlap.
 #include "base/aabb.h"
 #include "support/soups.h"
 #include "support/suite.h"
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 enum
 {
@@ -15,13 +17,13 @@ static void CheckBox(const double* positions, size_t count, const double lower[3
 {
     for (size_t axis = 0; axis < 3; axis++)
     {
-        double least = 0.25, most = 0.25; // the box before
+        double min = 0.25, max = 0.25; // the box before
         for (size_t v = 0; v < count; v++)
         {
-            least = fmin(least, positions[3 * v + axis]);
-            most = fmax(most, positions[3 * v + axis]);
+            min = fmin(min, positions[3 * v + axis]);
+            max = fmax(max, positions[3 * v + axis]);
         }
-        ck_assert(lower[axis] == least && upper[axis] == most);
+        ck_assert(lower[axis] == min && upper[axis] == max);
     }
 }
 
@@ -54,4 +56,37 @@ START_TEST(a_box_is_extended_by_every_vertex)
 }
 END_TEST
 
-QC_RUN_TESTS("bounds of vertices", a_box_is_extended_by_every_vertex)
+START_TEST(an_empty_box_becomes_what_it_is_extended_by)
+{
+    const double lower[3] = {-1.0, 2.0, DBL_MAX}, upper[3] = {0.0, 2.0, DBL_MAX}, point[3] = {-2.0, 2.5, -DBL_MAX};
+    qcBounds box;
+    qcBounds_Clear(box.lower, box.upper);
+    qcBounds_IncludeBox(box.lower, box.upper, box.lower, box.upper);
+    ck_assert(box.lower[0] > box.upper[0]);
+    qcBounds_IncludeBox(lower, upper, box.lower, box.upper);
+    ck_assert(memcmp(box.lower, lower, sizeof lower) == 0 && memcmp(box.upper, upper, sizeof upper) == 0);
+    qcBounds_IncludePoint(point, box.lower, box.upper);
+    ck_assert(box.lower[0] == -2.0 && box.upper[0] == 0.0);
+    ck_assert(box.lower[1] == 2.0 && box.upper[1] == 2.5);
+    ck_assert(box.lower[2] == -DBL_MAX && box.upper[2] == DBL_MAX);
+}
+END_TEST
+
+START_TEST(boxes_are_near_and_overlap_by_all_axes)
+{
+    for (int axis = 0; axis < 3; axis++)
+        for (int order = 0; order < 2; order++)
+        {
+            qcBounds boxes[2] = {{{0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}}, {{0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}}};
+            const qcBounds *a = &boxes[order], *b = &boxes[1 - order];
+            boxes[1].lower[axis] = 1.0;
+            ck_assert(qcBounds_Overlap(a, b) && qcBounds_AreNear(a->lower, a->upper, b->lower, b->upper, 0.0));
+            boxes[1].lower[axis] = boxes[1].upper[axis] = 1.5;
+            ck_assert(!qcBounds_Overlap(a, b) && !qcBounds_AreNear(a->lower, a->upper, b->lower, b->upper, 0.25));
+            ck_assert(qcBounds_AreNear(a->lower, a->upper, b->lower, b->upper, 0.5));
+        }
+}
+END_TEST
+
+QC_RUN_TESTS("boxes", a_box_is_extended_by_every_vertex, an_empty_box_becomes_what_it_is_extended_by,
+             boxes_are_near_and_overlap_by_all_axes)

@@ -13,7 +13,7 @@ top='plugin bullet_glue demos tests'
 # folders below it.
 table='
 plugin/base
-plugin/plan
+plugin/plan                 plugin/base
 plugin/mesh                 plugin/base
 plugin/scene                plugin/base
 plugin/triangle             plugin/base

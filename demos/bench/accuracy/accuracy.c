@@ -1,6 +1,7 @@
 // Run time against error: every setting on every scene, compared with the exact pairs.
 #include "bench/accuracy/accuracy.h"
 
+#include "common/device.h"
 #include "common/files.h"
 #include "common/progress.h"
 
@@ -24,15 +25,10 @@ static qcExitStatus Prepare(Run* run, qcMessage* message)
         return qc_exitFailed;
     qcDeviceDef def = qcDefaultDeviceDef();
     def.kind = options->device;
-    qcStatus status = qcDevice_Create(&def, &run->device);
-    if (status == qc_statusOk)
-        status = qcDevice_GetInfo(run->device, &run->info);
-    if (status != qc_statusOk)
-    {
-        qcMessage_Fail(message, "%s", qcLastMessage());
-        return status == qc_statusDevice ? qc_exitDevice : qc_exitFailed;
-    }
-    printf("device: %s%s%s\n", run->info.name, run->info.renderer[0] != 0 ? ", " : "", run->info.renderer);
+    qcExitStatus status = qcToolDevice_Open(&def, &run->device, &run->info, message);
+    if (status != qc_exitDone)
+        return status;
+    qcToolDevice_Print(&run->info);
     qcAccuracy_WarmUp(options, run->device);
     return qc_exitDone;
 }

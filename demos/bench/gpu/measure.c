@@ -2,6 +2,7 @@
 // the times of its parts. The pairs of all steps are compared.
 #include "bench/gpu/gpu.h"
 
+#include "common/device.h"
 #include "common/stopwatch.h"
 #include "common/progress.h"
 
@@ -334,15 +335,10 @@ qcExitStatus qcGpu_OpenDevice(const qcGpuOptions* options, qcGpuDevice* device, 
     def.gpuIndex = options->gpuIndex;
     def.gpuName = options->gpuName;
     double start = qcStopwatch_NowMs();
-    qcStatus status = qcDevice_Create(&def, &device->device);
+    qcExitStatus status = qcToolDevice_Open(&def, &device->device, &device->info, message);
     device->openMs = qcStopwatch_NowMs() - start;
-    if (status == qc_statusOk)
-        status = qcDevice_GetInfo(device->device, &device->info);
-    if (status != qc_statusOk)
-    {
-        qcMessage_Fail(message, "%s", qcLastMessage());
-        return status == qc_statusDevice ? qc_exitDevice : qc_exitFailed;
-    }
+    if (status != qc_exitDone)
+        return status;
     if (device->info.kind == qc_deviceNone)
     {
         qcMessage_Fail(message,

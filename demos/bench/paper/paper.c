@@ -1,6 +1,7 @@
 // The paper's scenes, tables, figures and factors, from recordings.
 #include "bench/paper/paper.h"
 
+#include "common/device.h"
 #include "common/files.h"
 
 #include <stdlib.h>
@@ -31,16 +32,10 @@ static qcExitStatus Prepare(Run* run, qcMessage* message)
     qcDeviceDef def = qcDefaultDeviceDef();
     qcDeviceInfo info;
     def.kind = run->options.device;
-    qcStatus status = qcDevice_Create(&def, &run->device);
-    if (status == qc_statusOk)
-        status = qcDevice_GetInfo(run->device, &info);
-    if (status != qc_statusOk)
-    {
-        qcMessage_Fail(message, "%s", qcLastMessage());
-        return status == qc_statusDevice ? qc_exitDevice : qc_exitFailed;
-    }
-    printf("device: %s%s%s\n", info.name, info.renderer[0] != 0 ? ", " : "", info.renderer);
-    return qc_exitDone;
+    qcExitStatus status = qcToolDevice_Open(&def, &run->device, &info, message);
+    if (status == qc_exitDone)
+        qcToolDevice_Print(&info);
+    return status;
 }
 
 /// False, with a line on standard output: the recording is missing.

@@ -1,6 +1,7 @@
 // Ours beside peer libraries: every method on every scene, with each number of threads, in one run.
 #include "bench/peers/peers.h"
 
+#include "common/device.h"
 #include "common/files.h"
 #include "common/progress.h"
 
@@ -64,15 +65,10 @@ static qcExitStatus AddDevice(Run* run, qcMessage* message)
     if (run->options.device == qc_deviceNone)
         return qc_exitDone;
     def.kind = run->options.device;
-    qcStatus status = qcDevice_Create(&def, &run->device);
-    if (status == qc_statusOk)
-        status = qcDevice_GetInfo(run->device, &info);
-    if (status != qc_statusOk)
-    {
-        qcMessage_Fail(message, "%s", qcLastMessage());
-        return status == qc_statusDevice ? qc_exitDevice : qc_exitFailed;
-    }
-    printf("device: %s%s%s\n", info.name, info.renderer[0] != 0 ? ", " : "", info.renderer);
+    qcExitStatus status = qcToolDevice_Open(&def, &run->device, &info, message);
+    if (status != qc_exitDone)
+        return status;
+    qcToolDevice_Print(&info);
     AddOurs(run, qc_methodLayers);
     return qc_exitDone;
 }

@@ -18,14 +18,16 @@
 
 #include <cstring>
 #include <random>
+#include <utility>
 
 namespace
 {
-/// A cloth falls over a round table.
-class Cloth : public qcStabilityScene
+/// A demo's world of soft bodies.
+template <class DemoWorld> class SoftDemo : public qcStabilityScene
 {
   public:
-    explicit Cloth(bool full) : m_world(full ? 20000 : 2000, true, nullptr, qc_methodAuto, 0)
+    template <class... Arguments>
+    explicit SoftDemo(Arguments&&... arguments) : m_world(std::forward<Arguments>(arguments)...)
     {
     }
     bool Step(std::string*) override
@@ -43,7 +45,33 @@ class Cloth : public qcStabilityScene
     }
 
   private:
-    qcClothWorld m_world;
+    DemoWorld m_world;
+};
+
+/// A cloth falls over a round table.
+class Cloth : public SoftDemo<qcClothWorld>
+{
+  public:
+    explicit Cloth(bool full) : SoftDemo(full ? 20000 : 2000, true, nullptr, qc_methodAuto, 0)
+    {
+    }
+};
+
+/// Leaves fall from a tree and lie on the ground; a few stay on the tree, in the wind.
+class Leaves : public SoftDemo<qcLeavesWorld>
+{
+  public:
+    explicit Leaves(bool full) : SoftDemo(Request(full), nullptr)
+    {
+    }
+
+  private:
+    static qcLeavesRequest Request(bool full)
+    {
+        qcLeavesRequest request;
+        request.leaves = full ? 384 : 32;
+        return request;
+    }
 };
 
 #ifdef QC_HAS_FRACTURE
@@ -229,11 +257,22 @@ class Boxes : public Rigid
     }
 };
 
-/// A cloth falls over a pile of meshes that move.
-class ClothPile : public qcStabilityScene
+const qcSoftBodyStatistics& StatisticsOf(const qcSoftBodySolver& solver)
+{
+    return solver.getStatistics();
+}
+
+const qcSoftBodyStatistics& StatisticsOf(const qcDeformableWorld* world)
+{
+    return world->getStatistics();
+}
+
+/// A scene of `qc-bench soft`, with this library's contact.
+template <class BenchScene> class SoftBench : public qcStabilityScene
 {
   public:
-    explicit ClothPile(bool full) : m_scene(Def(full))
+    template <class... Arguments>
+    explicit SoftBench(Arguments&&... arguments) : m_scene(std::forward<Arguments>(arguments)...)
     {
     }
     bool Step(std::string*) override
@@ -247,7 +286,19 @@ class ClothPile : public qcStabilityScene
     }
     const qcSoftBodyStatistics* SoftStatistics() const override
     {
-        return &m_scene.quick.getStatistics();
+        return &StatisticsOf(m_scene.quick);
+    }
+
+  private:
+    BenchScene m_scene;
+};
+
+/// A cloth falls over a pile of meshes that move.
+class ClothPile : public SoftBench<qcPileScene>
+{
+  public:
+    explicit ClothPile(bool full) : SoftBench(Def(full))
+    {
     }
 
   private:
@@ -261,92 +312,26 @@ class ClothPile : public qcStabilityScene
         def.indices.assign(torus.indices.begin(), torus.indices.end());
         return def;
     }
-
-    qcPileScene m_scene;
 };
 
 /// An elastic cube with scrambled nodes untangles, and keeps its shape.
-class Tangle : public qcStabilityScene
+class Tangle : public SoftBench<qcScrambledScene>
 {
   public:
-    explicit Tangle(bool full) : m_scene(true, full ? 5 : 3)
+    explicit Tangle(bool full) : SoftBench(true, full ? 5 : 3)
     {
         // The cube has no weight: no force of gravity was added.
-        m_scene.world->setGravity(btVector3(0, 0, 0));
+        World().setGravity(btVector3(0, 0, 0));
     }
-    bool Step(std::string*) override
-    {
-        m_scene.Step();
-        return true;
-    }
-    btDiscreteDynamicsWorld& World() override
-    {
-        return *m_scene.world;
-    }
-    const qcSoftBodyStatistics* SoftStatistics() const override
-    {
-        return &m_scene.quick->getStatistics();
-    }
-
-  private:
-    qcScrambledScene m_scene;
 };
 
 /// A rope hangs over a cylinder.
-class Rope : public qcStabilityScene
+class Rope : public SoftBench<qcRopeScene>
 {
   public:
-    explicit Rope(bool) : m_scene(qcRopeSceneDef())
+    explicit Rope(bool) : SoftBench(qcRopeSceneDef())
     {
     }
-    bool Step(std::string*) override
-    {
-        m_scene.Step();
-        return true;
-    }
-    btDiscreteDynamicsWorld& World() override
-    {
-        return *m_scene.world;
-    }
-    const qcSoftBodyStatistics* SoftStatistics() const override
-    {
-        return &m_scene.quick.getStatistics();
-    }
-
-  private:
-    qcRopeScene m_scene;
-};
-
-/// Leaves fall from a tree and lie on the ground; a few stay on the tree, in the wind.
-class Leaves : public qcStabilityScene
-{
-  public:
-    explicit Leaves(bool full) : m_world(Request(full), nullptr)
-    {
-    }
-    bool Step(std::string*) override
-    {
-        m_world.Step();
-        return true;
-    }
-    btDiscreteDynamicsWorld& World() override
-    {
-        return m_world.Bullet();
-    }
-    const qcSoftBodyStatistics* SoftStatistics() const override
-    {
-        return &m_world.Statistics();
-    }
-
-  private:
-    static qcLeavesRequest Request(bool full)
-    {
-        qcLeavesRequest request;
-        request.leaves = full ? 384 : 32;
-        return request;
-    }
-
-    qcLeavesWorld m_world;
 };
 
 template <class Scene> std::unique_ptr<qcStabilityScene> Make(bool full)

@@ -2,6 +2,7 @@
 #include "bench/stability/world_measure.h"
 
 #include "bench/stability/world_support.h"
+#include "common/bullet/mesh_body.h"
 #include "quickcullide/bullet_mesh.h"
 #include "quickcullide/bullet_positions.h"
 
@@ -83,21 +84,10 @@ qcStatus AddSoft(qcScene* scene, const btSoftBody& soft, bool selfCollision)
 /// `owner`: the same for all meshes of an object.
 qcStatus AddMesh(qcScene* scene, const qcMeshShape& mesh, const btTransform& place, bool isFixed, uint32_t owner)
 {
-    qcBodyDef def = qcDefaultBodyDef();
-    def.positions = mesh.getVertices();
-    def.positionType = qcBulletPositions;
-    def.positionStride = sizeof(btVector3);
-    def.vertexCount = mesh.getVertexCount();
-    def.indices = mesh.getIndices();
-    def.triangleCount = mesh.getTriangleCount();
-    def.selfCollision = false;
+    qcBodyDef def = qcMeshBodyDef(mesh, place);
     def.group = isFixed ? s_fixed : s_moving;
     def.mask = isFixed ? s_moving : s_moving | s_fixed;
     def.owner = owner;
-    for (int i = 0; i < 9; i++)
-        def.transform.linear[i] = double(place.getBasis()[i / 3][i % 3]);
-    for (int axis = 0; axis < 3; axis++)
-        def.transform.translation[axis] = double(place.getOrigin()[axis]);
     qcBodyId id;
     return qcScene_AddBody(scene, &def, &id);
 }

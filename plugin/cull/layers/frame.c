@@ -1,6 +1,7 @@
 // Chooses the grid frame. Slack for rounding: plugin/docs/proofs/layers.md.
 #include "cull/layers/frame.h"
 
+#include "base/aabb.h"
 #include "gl/layers/layers_gpu.h"
 
 #include <math.h>
@@ -49,9 +50,7 @@ bool qcGridFrame_Fit(qcGridFrame* frame, const qcGridBounds* bounds)
 {
     if (Suits(frame, bounds))
         return true;
-    double widest = 0.0;
-    for (int axis = 0; axis < 3; axis++)
-        widest = fmax(widest, bounds->upper[axis] - bounds->lower[axis]);
+    double widest = fmax(qcBounds_Widest(bounds->lower, bounds->upper), 0.0);
     double room = widest / 16.0;
     int exponent = 0;
     if (!isfinite(widest + 2.0 * room))

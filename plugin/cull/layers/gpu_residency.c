@@ -2,6 +2,7 @@
 // Proof of the bounds on vertex errors (pointError): plugin/docs/proofs/layers_vertices.md.
 #include "cull/layers/gpu_residency.h"
 
+#include "base/aabb.h"
 #include "base/parallel_for.h"
 #include "base/status.h"
 #include "cull/layers/grid_resolution.h"
@@ -201,14 +202,10 @@ static qcStatus ReserveStaging(const Prepare* p)
 /// A rigid body's vertices relative to its centre, in units of 2^exponent: those of triangles lie within [-1, 1].
 static qcStatus UploadLocals(qcGpuResidency* residency, qcBodyResidency* resident, uint32_t slot, const qcBody* body)
 {
-    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY}, half = 0.0;
+    double lower[3], upper[3], half = 0.0;
+    qcBounds_Clear(lower, upper);
     for (size_t i = 0; i < 3 * (size_t)body->triangleCount; i++)
-        for (size_t axis = 0; axis < 3; axis++)
-        {
-            double x = body->local[3 * (size_t)body->indices[i] + axis];
-            lower[axis] = fmin(lower[axis], x);
-            upper[axis] = fmax(upper[axis], x);
-        }
+        qcBounds_IncludePoint(body->local + 3 * (size_t)body->indices[i], lower, upper);
     for (int axis = 0; axis < 3; axis++)
     {
         resident->center[axis] = 0.5 * lower[axis] + 0.5 * upper[axis];

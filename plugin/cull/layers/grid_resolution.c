@@ -1,10 +1,9 @@
 // Chooses the grid resolution by the mean extent of sampled leaf nodes.
 #include "cull/layers/grid_resolution.h"
 
+#include "base/aabb.h"
 #include "gl/buffers/vertex_snapshot.h"
 #include "scene/float_positions.h"
-
-#include <float.h>
 
 enum
 {
@@ -30,18 +29,15 @@ static uint32_t FloorLog2(uint32_t x)
 /// A node's extent along the axes of the world, by the first corners of its triangles.
 static void FindExtent(const qcBody* body, const uint32_t* inNode, double extent[3])
 {
-    double lower[3] = {DBL_MAX, DBL_MAX, DBL_MAX}, upper[3] = {-DBL_MAX, -DBL_MAX, -DBL_MAX};
+    double lower[3], upper[3];
+    qcBounds_Clear(lower, upper);
     for (int k = 0; k < qc_nodeSize; k++)
     {
         double p[3];
         if (inNode[k] == QC_NO_TRIANGLE)
             continue;
         qcBody_GetNewestVertex(body, body->indices[3 * (size_t)inNode[k]], p);
-        for (int axis = 0; axis < 3; axis++)
-        {
-            lower[axis] = p[axis] < lower[axis] ? p[axis] : lower[axis];
-            upper[axis] = p[axis] > upper[axis] ? p[axis] : upper[axis];
-        }
+        qcBounds_IncludePoint(p, lower, upper);
     }
     for (int axis = 0; axis < 3; axis++)
         extent[axis] = upper[axis] - lower[axis];

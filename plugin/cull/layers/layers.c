@@ -1,12 +1,12 @@
 // Selects the bodies that take part, runs the device's step, and converts its pairs to candidate keys.
 #include "cull/layers/layers.h"
 
+#include "base/aabb.h"
 #include "base/clock.h"
 #include "base/status.h"
 #include "cull/layers/device_pairs.h"
 #include "gl/device.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,15 +25,6 @@ static double Now(const qcCullLayersJob* job)
     return job->timed ? qcClock_Now() : 0.0;
 }
 
-static void IncludeBox(double lower[3], double upper[3], const qcBody* body)
-{
-    for (int axis = 0; axis < 3; axis++)
-    {
-        lower[axis] = body->lower[axis] < lower[axis] ? body->lower[axis] : lower[axis];
-        upper[axis] = body->upper[axis] > upper[axis] ? body->upper[axis] : upper[axis];
-    }
-}
-
 /// Flags bodies with a partner or with self-collision, and finds their bounds. False: there are none.
 static bool FindParticipants(Step* step)
 {
@@ -48,10 +39,8 @@ static bool FindParticipants(Step* step)
             uint32_t body = step->job->bodyPairs[i][side];
             takesPart[body] = step->job->bodies[body];
         }
-    step->bounds = (qcGridBounds){.lower = {DBL_MAX, DBL_MAX, DBL_MAX},
-                                  .upper = {-DBL_MAX, -DBL_MAX, -DBL_MAX},
-                                  .queryDistance = step->job->queryDistance,
-                                  .depthAxis = step->job->depthAxis};
+    step->bounds = (qcGridBounds){.queryDistance = step->job->queryDistance, .depthAxis = step->job->depthAxis};
+    qcBounds_Clear(step->bounds.lower, step->bounds.upper);
     bool any = false;
     for (uint32_t body = 0; body < t->bodyCount; body++)
     {
@@ -60,7 +49,7 @@ static bool FindParticipants(Step* step)
         if (!takesPart[body])
             continue;
         any = true;
-        IncludeBox(step->bounds.lower, step->bounds.upper, b);
+        qcBounds_IncludeBox(b->lower, b->upper, step->bounds.lower, step->bounds.upper);
         step->bounds.transforms = step->bounds.transforms || !b->deforming;
     }
     return any;
@@ -71,15 +60,16 @@ static qcStatus FindPartnerBoxes(const Step* step)
 {
     qcCullLayers* cull = step->cull;
     const qcStepTriangles* t = step->job->triangles;
-    QC_TRY(qcArray_Resize(&cull->partners, t->bodyCount, sizeof(qcGridBounds), "boxes of partners"));
-    qcGridBounds* around = cull->partners.data;
+    QC_TRY(qcArray_Resize(&cull->partners, t->bodyCount, sizeof(qcBounds), "boxes of partners"));
+    qcBounds* around = cull->partners.data;
     for (uint32_t body = 0; body < t->bodyCount; body++)
-        around[body] = (qcGridBounds){.lower = {DBL_MAX, DBL_MAX, DBL_MAX}, .upper = {-DBL_MAX, -DBL_MAX, -DBL_MAX}};
+        qcBounds_Clear(around[body].lower, around[body].upper);
     for (size_t i = 0; i < step->job->bodyPairCount; i++)
     {
         uint32_t a = step->job->bodyPairs[i][0], b = step->job->bodyPairs[i][1];
-        IncludeBox(around[a].lower, around[a].upper, qcStepTriangles_Body(t, b));
-        IncludeBox(around[b].lower, around[b].upper, qcStepTriangles_Body(t, a));
+        const qcBody *bodyA = qcStepTriangles_Body(t, a), *bodyB = qcStepTriangles_Body(t, b);
+        qcBounds_IncludeBox(bodyB->lower, bodyB->upper, around[a].lower, around[a].upper);
+        qcBounds_IncludeBox(bodyA->lower, bodyA->upper, around[b].lower, around[b].upper);
     }
     for (uint32_t body = 0; body < t->bodyCount; body++)
     {

@@ -2,6 +2,7 @@
 // Quick-CULLIDE, VR 2005, sections 3.2 and 4.2.
 #include "cull/visibility/image_cull.h"
 
+#include "base/aabb.h"
 #include "base/status.h"
 
 #include <assert.h>
@@ -24,14 +25,8 @@ static bool DrawSelf(uint8_t sets)
 // Doubles far below it are subnormal, and half of a subnormal is rounded.
 static const double s_minExtent = 0x1p-960;
 
-/// From world to image space: the box around the bodies of the level becomes [-1, 1] in each axis.
-typedef struct Frame
-{
-    double lower[3], upper[3];
-} Frame;
-
 /// Half the size of the box in an axis; 0 where it is too small to tell positions apart: then all coincide.
-static double HalfExtent(const Frame* frame, int axis)
+static double HalfExtent(const qcBounds* frame, int axis)
 {
     // Halves, so that the extent of a scene as large as double allows is still finite.
     double half = 0.5 * frame->upper[axis] - 0.5 * frame->lower[axis];
@@ -44,7 +39,7 @@ typedef struct Scale
     double begin[3], half[3]; ///< halves, so that no difference overflows
 } Scale;
 
-static Scale MakeScale(const Frame* frame)
+static Scale MakeScale(const qcBounds* frame)
 {
     Scale scale;
     for (int axis = 0; axis < 3; axis++)
@@ -95,18 +90,15 @@ static void AddPrimitive(qcImageCull* cull, uint32_t firstTriangle, uint32_t tri
     QC_AT(qcVisibilitySet, cull->sets, cull->sets.count++) = qc_setNfv;
 }
 
-/// The box around the level's bodies.
-static Frame FindFrame(const qcImageCull* cull, const qcStepTriangles* triangles)
+/// The box around the level's bodies: in image space it becomes [-1, 1] in each axis.
+static qcBounds FindFrame(const qcImageCull* cull, const qcStepTriangles* triangles)
 {
-    Frame frame = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    qcBounds frame;
+    qcBounds_Clear(frame.lower, frame.upper);
     for (size_t i = 0; i < cull->bodies.count; i++)
     {
         const qcBody* body = qcStepTriangles_Body(triangles, QC_AT(uint32_t, cull->bodies, i));
-        for (int axis = 0; axis < 3; axis++)
-        {
-            frame.lower[axis] = i == 0 || body->lower[axis] < frame.lower[axis] ? body->lower[axis] : frame.lower[axis];
-            frame.upper[axis] = i == 0 || body->upper[axis] > frame.upper[axis] ? body->upper[axis] : frame.upper[axis];
-        }
+        qcBounds_IncludeBox(body->lower, body->upper, frame.lower, frame.upper);
     }
     return frame;
 }
@@ -133,7 +125,7 @@ static qcStatus ListPrimitives(const qcStepTriangles* triangles, qcCullLevel lev
 }
 
 /// Fills the corners with the triangles of the level's bodies.
-static qcStatus ListCorners(const qcStepTriangles* triangles, const Frame* frame, qcImageCull* cull)
+static qcStatus ListCorners(const qcStepTriangles* triangles, const qcBounds* frame, qcImageCull* cull)
 {
     const Scale scale = MakeScale(frame);
     cull->corners.count = 0;
@@ -148,7 +140,7 @@ static qcStatus ListCorners(const qcStepTriangles* triangles, const Frame* frame
 }
 
 /// Half the margin in image space, rounded up a little.
-static double FindGrowth(const Frame* frame, int axis, double margin)
+static double FindGrowth(const qcBounds* frame, int axis, double margin)
 {
     double half = HalfExtent(frame, axis);
     return half > 0.0 ? 0.5 * margin / half * (1.0 + 0x1p-40) : 0.0;
@@ -162,7 +154,7 @@ static qcStatus RunLevel(const qcImageCullJob* job, const qcStepTriangles* trian
     QC_TRY(ListPrimitives(triangles, level, cull));
     if (cull->primitives.count < 2)
         return qc_statusOk; // a single primitive stays in NFV: no other one can hide it
-    Frame frame = FindFrame(cull, triangles);
+    qcBounds frame = FindFrame(cull, triangles);
     QC_TRY(ListCorners(triangles, &frame, cull));
     qcCullJob twoPass = {.device = job->device,
                          .quick = job->plan->method == qc_methodQuick,

@@ -34,14 +34,6 @@ typedef struct Copying
     Bounds bounds;
 } Copying;
 
-static qcStatus CheckError(const struct qcGlFunctions* gl, const char* moment, size_t bytes)
-{
-    GLenum error = gl->GetError();
-    return error == GL_NO_ERROR ? qc_statusOk
-                                : qcFail(qc_statusDevice, "vertex buffer: %s, %zu bytes: %s (0x%x)", moment, bytes,
-                                         qcGl_ErrorName(error), error);
-}
-
 static qcStatus Allocate(const struct qcGlFunctions* gl, GLuint* buffer, size_t bytes, const void* data, GLenum usage)
 {
     if (*buffer == 0)
@@ -49,7 +41,7 @@ static qcStatus Allocate(const struct qcGlFunctions* gl, GLuint* buffer, size_t 
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, *buffer);
     // A binding needs a buffer that isn't empty.
     gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(bytes > 0 ? bytes : 4), bytes > 0 ? data : NULL, usage);
-    return CheckError(gl, "no memory on the device", bytes);
+    return qcGl_CheckError(gl, "vertex buffer: no memory on the device, %zu bytes", bytes);
 }
 
 static qcStatus Use(const struct qcGlFunctions* gl, const char* name, const char* source, GLuint* program)

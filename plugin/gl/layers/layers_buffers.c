@@ -5,7 +5,6 @@
 #include "gl/compute.h"
 
 #include <assert.h>
-#include <stdio.h>
 
 typedef struct BufferShape
 {
@@ -54,14 +53,6 @@ const char* qcLayersBuffers_SamplerName(int buffer)
     return s_shapes[buffer].sampler;
 }
 
-static qcStatus CheckError(const struct qcGlFunctions* gl, const char* moment)
-{
-    GLenum error = gl->GetError();
-    return error == GL_NO_ERROR
-               ? qc_statusOk
-               : qcFail(qc_statusDevice, "layers: %s: %s (0x%x)", moment, qcGl_ErrorName(error), error);
-}
-
 qcStatus qcLayersBuffers_Create(const struct qcGlFunctions* gl, qcLayersBuffers* b)
 {
     GLint64 texels = 0;
@@ -71,7 +62,7 @@ qcStatus qcLayersBuffers_Create(const struct qcGlFunctions* gl, qcLayersBuffers*
     b->persistent = gl->BufferStorage != NULL;
     gl->GenBuffers(qc_layersBufferCount, b->buffers);
     gl->GenTextures(qc_layersBufferCount, b->textures);
-    return CheckError(gl, "no buffers on the device");
+    return qcGl_CheckError(gl, "layers: no buffers on the device");
 }
 
 void qcLayersBuffers_Delete(const struct qcGlFunctions* gl, const qcLayersBuffers* b)
@@ -82,24 +73,20 @@ void qcLayersBuffers_Delete(const struct qcGlFunctions* gl, const qcLayersBuffer
 
 qcStatus qcLayersBuffers_Allocate(const struct qcGlFunctions* gl, size_t bytes, GLbitfield mapping, void** mapped)
 {
-    char purpose[64];
     *mapped = NULL;
-    snprintf(purpose, sizeof purpose, "no memory for %zu bytes on the device", bytes);
-    if (gl->BufferStorage == NULL)
-    {
-        gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)bytes, NULL, GL_DYNAMIC_COPY);
-        return CheckError(gl, purpose);
-    }
     GLbitfield flags = mapping != 0 ? mapping | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT : 0;
-    gl->BufferStorage(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)bytes, NULL, flags | GL_DYNAMIC_STORAGE_BIT);
-    QC_TRY(CheckError(gl, purpose));
-    if (mapping == 0)
+    if (gl->BufferStorage != NULL)
+        gl->BufferStorage(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)bytes, NULL, flags | GL_DYNAMIC_STORAGE_BIT);
+    else
+        gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)bytes, NULL, GL_DYNAMIC_COPY);
+    QC_TRY(qcGl_CheckError(gl, "layers: no memory for %zu bytes on the device", bytes));
+    if (mapping == 0 || gl->BufferStorage == NULL)
         return qc_statusOk;
     *mapped = gl->MapBufferRange(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)bytes, flags);
     if (*mapped != NULL)
         return qc_statusOk;
     // A lost context maps nothing, and may report no error.
-    QC_TRY(CheckError(gl, "memory of the device can't be mapped"));
+    QC_TRY(qcGl_CheckError(gl, "layers: memory of the device can't be mapped"));
     return qcFail(qc_statusDevice, "layers: memory of the device can't be mapped");
 }
 
@@ -118,7 +105,7 @@ qcStatus qcLayersBuffers_Resize(const struct qcGlFunctions* gl, qcLayersBuffers*
         return qcFail(qc_statusDevice, "layers: %zu %s are more than the device's buffers hold", count,
                       sampler != NULL ? sampler : "elements of a list");
     // An error of an earlier call is reported separately, not as the allocation's.
-    QC_TRY(CheckError(gl, "before an allocation"));
+    QC_TRY(qcGl_CheckError(gl, "layers: before an allocation"));
     b->capacity[buffer] = 0;
     gl->state->bound = NULL;
     if (b->persistent)

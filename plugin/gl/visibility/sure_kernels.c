@@ -16,7 +16,7 @@ enum
     // Steps are numbered in 30 bits.
     qc_maxSteps = 1 << 30,
     qc_maxCellsPerSide = 1024,
-    // Parts whose size is looked at to choose that of the cells.
+    // Parts that are sampled: their size decides that of the cells.
     qc_maxSampledParts = 1000,
     // Places for the renders of cells, per part. A triangle as large as a cell touches four on average.
     qc_entriesPerPart = 8,

@@ -4,7 +4,6 @@
 
 #include "base/aabb.h"
 
-#include <float.h>
 #include <string.h>
 
 enum
@@ -27,20 +26,16 @@ uint64_t qcBvhCopy_KeyOf(const qcBody* body)
     return key;
 }
 
-typedef struct Box
-{
-    double lower[3], upper[3];
-} Box;
-
 /// The box of one vertex or more.
-static Box BoxOf(const double (*vertices)[3], size_t count)
+static qcBounds BoxOf(const double (*vertices)[3], size_t count)
 {
-    Box box = {{DBL_MAX, DBL_MAX, DBL_MAX}, {-DBL_MAX, -DBL_MAX, -DBL_MAX}};
+    qcBounds box;
+    qcBounds_Clear(box.lower, box.upper);
     qcBounds_Include(vertices[0], count, box.lower, box.upper);
     return box;
 }
 
-static double ExtentOf(const Box* box)
+static double ExtentOf(const qcBounds* box)
 {
     double extent = 0.0;
     for (int axis = 0; axis < 3; axis++)
@@ -71,12 +66,12 @@ static double SpreadOf(const qcTriangleBvh* bvh, const qcBody* body)
         }
         if (count == 0)
             continue;
-        Box box = BoxOf((const double(*)[3])vertices, count);
+        qcBounds box = BoxOf((const double(*)[3])vertices, count);
         sum += ExtentOf(&box);
         memcpy(ends[endCount++], box.lower, sizeof ends[0]);
         memcpy(ends[endCount++], box.upper, sizeof ends[0]);
     }
-    Box all = BoxOf((const double(*)[3])ends, endCount);
+    qcBounds all = BoxOf((const double(*)[3])ends, endCount);
     return sum / ExtentOf(&all);
 }
 

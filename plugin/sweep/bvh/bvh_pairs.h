@@ -9,7 +9,7 @@
 /// apart than `query` are dropped.
 qcDistanceThresholds qcTriangleBvh_Thresholds(const qcTriangleBvh* bvh, double query, double near);
 
-/// False if a job has these two bodies in the other order. World coordinates come first: the local BVH is transformed
+/// Whether a job has these two bodies in this order. World coordinates come first: the local BVH is transformed
 /// into them, and no transform is inverted. If both are local, or none, large triangles come first, in whose lattice
 /// the boxes of both are tight; but not if that is too coarse for the small triangles of a local body.
 bool qcBvhPairs_AreInOrder(const qcBodyBvh* a, const qcBody* bodyA, const qcBodyBvh* b, const qcBody* bodyB);
@@ -40,8 +40,8 @@ typedef struct qcBvhPairsJob
 /// Memory that is retained between steps.
 typedef struct qcBvhPairs
 {
-    qcArray searches;  ///< of Search: one for each job
-    qcArray nodePairs; ///< of NodePair, of all searches
+    qcArray searches;  ///< of qcBvhSearch: one for each job
+    qcArray nodePairs; ///< of qcNodePair, of all searches
     qcArray motions;   ///< of qcMotionBvh: two for each job, if one is a motion
     qcArray queues;    ///< of qcSlotPair, a part for each worker
     qcArray planes;    ///< of qcPlaneCache, one for each worker

@@ -64,7 +64,7 @@ static bool HasVertex(const qcCorners* corners, uint32_t vertex)
     return corners->vertex[0] == vertex || corners->vertex[1] == vertex || corners->vertex[2] == vertex;
 }
 
-/// True if the pair is listed at this vertex: the least of its common vertices, none of which has a separated fan.
+/// True if the pair is listed at this vertex: the lowest of its common vertices, none of which has a separated fan.
 static bool IsListedAt(const Search* s, uint32_t vertex, uint32_t a, uint32_t b)
 {
     const qcCorners *p = &s->triangles.corners[a], *q = &s->triangles.corners[b];

@@ -82,7 +82,7 @@ qcStatus qcTriangleBvh_Build(qcTriangleBvh* bvh, const qcBody* body, const qcOrd
 /// Like qcTriangleBvh_Build, in the order of another body's BVH, which suits the body (sweep/bvh/bvh_copy.h) and has no
 /// region. O(triangles), at the speed of memory.
 qcStatus qcTriangleBvh_BuildLike(qcTriangleBvh* bvh, const qcBody* body, const qcTriangleBvh* other);
-/// Keeps the region that the BVH was built for, at the same positions, if it is limited to it.
+/// Stores the region that the BVH was built for, at the same positions, if the BVH is limited to it.
 qcStatus qcTriangleBvh_KeepRegion(qcTriangleBvh* bvh, const qcBody* body, const qcBvhRegion* region);
 
 /// Adds the triangles that a limited BVH lacks; it has to be fitted anew. options.region is around the body. On failure

@@ -2,6 +2,7 @@
 // Proof that no pair is lost: plugin/docs/proofs/verlet_list.md.
 #include "sweep/bvh/verlet_list.h"
 
+#include "base/aabb.h"
 #include "base/status.h"
 
 #include <math.h>
@@ -180,19 +181,19 @@ static void AddFarTriangle(FarTriangles* far, const Search* s, uint32_t slot)
     const qcTriangleBvh* bvh = s->bvh;
     const uint32_t* vertex = QC_AT(qcCorners, bvh->corners, slot).vertex;
     double spare = bvh->fit.margin - s->job->query;
-    const double* p[3];
+    double corners[3][3], lower[3], upper[3];
     for (int c = 0; c < 3; c++)
-        p[c] = s->job->bodyA->world + 3 * (size_t)QC_AT(uint32_t, bvh->vertexOf, vertex[c]);
+        memcpy(corners[c], s->job->bodyA->world + 3 * (size_t)QC_AT(uint32_t, bvh->vertexOf, vertex[c]),
+               sizeof corners[c]);
+    qcBounds_OfTriangle((const double(*)[3])corners, lower, upper);
     int to = far->count++;
     far->slot[to] = slot;
     for (int axis = 0; axis < 3; axis++)
     {
-        double lower = fmin(p[0][axis], fmin(p[1][axis], p[2][axis]));
-        double upper = fmax(p[0][axis], fmax(p[1][axis], p[2][axis]));
-        double rounding = 0x1p-50 * (fabs(lower) + bvh->fit.margin);
+        double rounding = 0x1p-50 * (fabs(lower[axis]) + bvh->fit.margin);
         int16_t* ends = far->boxes.ends[axis];
-        ends[to] = LevelOf(&bvh->fit.lattice, axis, lower + spare - rounding);
-        ends[qc_boxLanes + to] = (int16_t)~LevelOf(&bvh->fit.lattice, axis, upper + s->job->query);
+        ends[to] = LevelOf(&bvh->fit.lattice, axis, lower[axis] + spare - rounding);
+        ends[qc_boxLanes + to] = (int16_t)~LevelOf(&bvh->fit.lattice, axis, upper[axis] + s->job->query);
     }
 }
 
