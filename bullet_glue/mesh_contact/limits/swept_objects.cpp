@@ -188,7 +188,7 @@ void qcSweptObjects::EndDeformations() const
 {
     for (qcSweptObject* swept : m_sorted)
         for (qcSweptMesh& mesh : swept->meshes)
-            mesh.startPoints.clear();
+            mesh.startVertices.clear();
 }
 
 void qcSweptObjects::RemoveGone(qcScene* scene)

@@ -64,8 +64,7 @@ bool IsStepped(const btMultiBody& multibody)
 
 qcStatus AddMesh(qcScene* scene, const qcSceneRigid& rigid, qcSceneMesh* mesh)
 {
-    mesh->sceneTransform = rigid.object->getWorldTransform() * mesh->local;
-    return mesh->AddTo(scene, rigid.activity);
+    return mesh->AddTo(scene, rigid.object->getWorldTransform() * mesh->local, rigid.activity);
 }
 
 void RemoveMeshes(qcScene* scene, const qcSceneRigid& rigid)
