@@ -645,7 +645,7 @@ void qcSoftBodyContact::setReportCandidates(bool report)
 
 void qcSoftBodyContact::updateShape(const btCollisionShape* shape)
 {
-    m_implementation->scene.meshes.Forget(shape);
+    m_implementation->scene.meshes.InvalidateShape(shape);
 }
 
 void qcSoftBodyContact::setThreadCount(unsigned threads)

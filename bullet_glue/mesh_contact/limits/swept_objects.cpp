@@ -2,6 +2,7 @@
 // the pairs whose motions overlap.
 #include "mesh_contact/limits/swept_objects.h"
 
+#include "common/changed_shapes.h"
 #include "common/compound_children.h"
 #include "common/object_motion.h"
 #include "common/rigid_motion.h"
@@ -156,6 +157,18 @@ void qcSweptObjects::KeepTriangles(const btCollisionObject* object)
         swept->meshes = qcReadSweptMeshes(qcCollectSwept(object->getCollisionShape(), nullptr, nullptr), true);
 }
 
+void qcSweptObjects::InvalidateShape(const btCollisionShape* shape)
+{
+    m_resting.WakeAll(&m_sorted);
+    for (qcSweptObject* swept : m_sorted)
+        for (qcSweptMesh& mesh : swept->meshes)
+            if (mesh.shape == shape)
+                mesh.revision = qcStaleRevision;
+    // Where no motion is read, none is certified.
+    if (m_step > 0)
+        m_changedShapes.Add(shape);
+}
+
 /// Notices that the application has moved the triangles of an object that Bullet does not move: its meshes then deform
 /// in this step, if the previous one had read them.
 void qcSweptObjects::ReadTriangles(qcSweptObject* swept, qcScene* scene) const
@@ -163,16 +176,17 @@ void qcSweptObjects::ReadTriangles(qcSweptObject* swept, qcScene* scene) const
     if (swept->body != nullptr || !swept->hasMesh)
         return;
     uint64_t revision = 0;
+    bool hasChanged = false;
     auto add = [&](const btCollisionShape* simple, const btTransform&)
     {
-        auto changes = m_changes.find(simple);
-        if (qcIsMesh(simple))
-            revision = qcMixHash(qcMixHash(revision, qcMeshRevision(simple)),
-                                 changes != m_changes.end() ? changes->second : 0);
+        if (!qcIsMesh(simple))
+            return;
+        revision = qcMixHash(revision, qcMeshRevision(simple));
+        hasChanged = hasChanged || m_changedShapes.Has(simple);
     };
     qcForEachSimpleShape(swept->object->getCollisionShape(), btTransform::getIdentity(), add);
     std::swap(swept->revision, revision);
-    if (revision == 0 || revision == swept->revision)
+    if (revision == 0 || (revision == swept->revision && !hasChanged))
         return;
     std::vector<qcSweptMesh> last =
         qcReadSweptMeshes(qcCollectSwept(swept->object->getCollisionShape(), nullptr, nullptr), true);
@@ -286,6 +300,7 @@ bool qcSweptObjects::MissesCores()
 qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesCores, qcScene* scene)
 {
     qcSweptObject& swept = *Add(object);
+    const bool isRead = swept.step == m_step;
     swept.step = m_step;
     swept.isHeld = swept.isPaired = false;
     swept.body = qcDynamicBody(object);
@@ -301,7 +316,8 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
             swept.multibody = nullptr;
     }
     ReadShape(&swept, m_settings.gimpact);
-    ReadTriangles(&swept, scene);
+    if (!isRead)
+        ReadTriangles(&swept, scene);
     swept.hull = swept.Deforms() ? nullptr : m_axes.FindMesh(object);
     swept.cores = takesCores ? &m_cores : nullptr;
     if (takesCores && swept.isNew)
@@ -394,6 +410,7 @@ bool qcSweptObjects::ReadObjects(qcScene* scene)
         }
     if (present != m_sorted.size())
         RemoveGone(scene);
+    m_changedShapes.Clear();
     return anyMoved;
 }
 

@@ -3,6 +3,7 @@
 #ifndef QC_GLUE_MESH_CONTACT_LIMITS_SWEPT_OBJECTS_H
 #define QC_GLUE_MESH_CONTACT_LIMITS_SWEPT_OBJECTS_H
 
+#include "common/changed_shapes.h"
 #include "common/rigid_limits.h"
 #include "mesh_contact/limits/common_shift.h"
 #include "mesh_contact/limits/contact_depths.h"
@@ -25,11 +26,7 @@ class qcSweptObjects
     /// Keeps the triangles of an object that Bullet does not move, since the application may move them.
     void KeepTriangles(const btCollisionObject* object);
     /// Call it after the triangles of a shape have changed.
-    void InvalidateShape(const btCollisionShape* shape)
-    {
-        m_changes[shape]++;
-        m_resting.WakeAll(&m_sorted);
-    }
+    void InvalidateShape(const btCollisionShape* shape);
     /// Dynamic objects start the step here. Without this call within the step, starts follow from velocities.
     void MarkStarts();
     /// Finds the starts of the step that ends now, then does what ReadTargets does.
@@ -104,7 +101,7 @@ class qcSweptObjects
     /// Of bodies with Bullet's continuous collision that are not among the objects, where starts are marked.
     std::unordered_map<qcObjectKey, btTransform, qcObjectKeyHash> m_continuousStarts;
     qcSweptMultiBodies m_multibodies;
-    std::unordered_map<const btCollisionShape*, uint64_t> m_changes; ///< calls of InvalidateShape
+    qcChangedShapes m_changedShapes; ///< since objects were read
     qcStaticPlanes m_planes;
     qcIdCounter m_numbers;
     uint64_t m_step = 0;

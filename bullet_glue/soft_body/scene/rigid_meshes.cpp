@@ -123,7 +123,17 @@ void qcSoftBodyMeshes::ReadMotions(const qcBroadphases& broadphases, btScalar ti
     m_timeStep = timeStep;
     m_starts.Read(broadphases, timeStep, limits);
     m_overlaps.Begin(m_starts);
-    m_reshaped.Read(m_overlaps.Candidates(), m_surfaces);
+    m_reshaped.Read(m_overlaps.Candidates());
+}
+
+void qcSoftBodyMeshes::InvalidateShape(const btCollisionShape* shape)
+{
+    m_surfaces.Forget(shape);
+    m_reshaped.InvalidateShape(shape);
+    for (auto* known : {&m_rigids, &m_away})
+        for (const std::unique_ptr<qcSceneRigid>& rigid : *known)
+            if (rigid)
+                rigid->Invalidate(shape);
 }
 
 /// The object as it was in the previous step; null: not known.
@@ -217,7 +227,7 @@ void qcSoftBodyMeshes::KeepReshaped()
 }
 
 /// The simple shapes of an object that have triangles, without their surfaces.
-std::vector<qcSceneShape> qcSoftBodyMeshes::ShapesOf(const btCollisionObject* object, bool withSurfaces) const
+std::vector<qcSceneShape> qcSoftBodyMeshes::ShapesOf(const btCollisionObject* object, bool withSurfaces)
 {
     std::vector<qcSceneShape> shapes;
     withSurfaces = withSurfaces && object->hasContactResponse();
@@ -230,7 +240,7 @@ std::vector<qcSceneShape> qcSoftBodyMeshes::ShapesOf(const btCollisionObject* ob
         shapes.emplace_back();
         shapes.back().shape = simple;
         shapes.back().local = local;
-        shapes.back().revision = m_surfaces.RevisionOf(simple);
+        shapes.back().revision = qcSurfaceCache::RevisionOf(simple);
     };
     qcForEachSimpleShape(object->getCollisionShape(), btTransform::getIdentity(), add);
     return shapes;

@@ -47,11 +47,8 @@ class qcSoftBodyMeshes
     {
         m_overlaps.Collect(m_starts, broadphase, lower, upper, withSurfaces);
     }
-    /// See qcSurfaceCache.
-    void Forget(const btCollisionShape* shape)
-    {
-        m_surfaces.Forget(shape);
-    }
+    /// The triangles of one of Bullet's own shapes have changed where its revision doesn't show it.
+    void InvalidateShape(const btCollisionShape* shape);
     /// An object that is not finite, which the step leaves out, or null.
     const btCollisionObject* NotFinite() const
     {
@@ -100,7 +97,7 @@ class qcSoftBodyMeshes
     void AddReshaped();
     void KeepReshaped();
     qcSceneRigid* FindLast(const btCollisionObject* object) const;
-    std::vector<qcSceneShape> ShapesOf(const btCollisionObject* object, bool withSurfaces) const;
+    static std::vector<qcSceneShape> ShapesOf(const btCollisionObject* object, bool withSurfaces);
     void FindBox(const qcRigidOverlap& overlap, const btTransform& local, btVector3 box[2]) const;
     bool Cover(const qcSceneRigid& rigid, const qcRigidOverlap& overlap) const;
     void FindMeshes(qcSceneRigid* rigid, const qcRigidOverlap& overlap);

@@ -76,6 +76,8 @@ struct qcSceneRigid
     void Wake() const;
     /// True if it can take any rigid motion: it is dynamic, and no factor or infinite inertia restricts it.
     bool IsFree() const;
+    /// Marks what was read of one of Bullet's own shapes as stale.
+    void Invalidate(const btCollisionShape* shape);
     /// Has meshes deform from those of the previous step: see qcSceneMesh::DeformFrom.
     void DeformFrom(const qcSceneRigid& last);
     /// See qcSceneMesh.
