@@ -322,7 +322,7 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
     swept.cores = takesCores ? &m_cores : nullptr;
     if (takesCores && swept.isNew)
         swept.wasActive = object->isActive();
-    swept.ReadCores();
+    swept.ReadCores(object->getCollisionShape());
     swept.target = swept.end = object->getWorldTransform();
     swept.floors.clear();
     if (swept.body != nullptr && swept.hull != nullptr)
