@@ -47,7 +47,5 @@ class qcBodyOrigins
 /// objects, and the others. None if there is none.
 qcTranslation qcFindCommonShift(const std::vector<qcSweptObject*>& objects, const qcBodyOrigins& others,
                                 const btCollisionWorld& world, btScalar timeStep);
-/// True if an object that was at `from` has moved by a translation alone.
-bool qcIsTranslated(const qcTranslation& translation, const btTransform& from, const btTransform& to);
 
 #endif

@@ -11,6 +11,7 @@
 #include "mesh_contact/limits/resting_meshes.h"
 #include "mesh_contact/limits/swept_multibodies.h"
 #include "mesh_contact/limits/swept_object.h"
+#include "mesh_contact/limits/swept_starts.h"
 #include "mesh_contact/planes/axis_cache.h"
 
 #include <memory>
@@ -72,7 +73,6 @@ class qcSweptObjects
   private:
     void StartWherePut();
     qcSweptObject* Add(const btCollisionObject* object);
-    static void FindStart(btScalar timeStep, qcSweptObject* swept);
     void ReadTriangles(qcSweptObject* swept, qcScene* scene) const;
     void EndDeformations() const;
     void RemoveGone(qcScene* scene);
@@ -98,14 +98,12 @@ class qcSweptObjects
     std::unordered_map<qcObjectKey, std::unique_ptr<qcSweptObject>, qcObjectKeyHash> m_objects;
     std::vector<qcSweptObject*> m_sorted;
     qcRestingMeshes m_resting; ///< what m_sorted lacks of the objects
-    /// Of bodies with Bullet's continuous collision that are not among the objects, where starts are marked.
-    std::unordered_map<qcObjectKey, btTransform, qcObjectKeyHash> m_continuousStarts;
+    qcSweptStarts m_starts;
     qcSweptMultiBodies m_multibodies;
     qcChangedShapes m_changedShapes; ///< since objects were read
     qcStaticPlanes m_planes;
     qcIdCounter m_numbers;
     uint64_t m_step = 0;
-    bool m_isMarked = false;    ///< the starts of the present step
     bool m_findsStarts = false; ///< while motions are read: starts are not marked
 };
 

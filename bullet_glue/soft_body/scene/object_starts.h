@@ -97,7 +97,6 @@ class qcObjectStarts
     };
 
     std::pair<State*, bool> FindOrAdd(const qcObjectKey& key);
-    static bool IsShift(const qcTranslation& translation, const btTransform& from, const btTransform& to);
     static Moved MakeMoved(btCollisionObject* object, const btTransform& from);
     void ReadObject(btCollisionObject* object, btScalar timeStep, const qcRigidLimits* limits);
 
