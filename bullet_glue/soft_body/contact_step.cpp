@@ -262,7 +262,7 @@ void qcSoftBodyContact::Implementation::ForEachUnprovenObject(const Function& fu
 /// Pushes guided meshes out of the nodes of their zones, which stay. False: no unproven pair has a mesh that gives way.
 bool qcSoftBodyContact::Implementation::PushGuided()
 {
-    qcSeparationPlanes planes;
+    qcSeparatingPlanes planes;
     for (const qcUnprovenPair& unproven : m_unproven)
         planes.Add(scene, unproven, s_widening);
     planes.Solve(s_guidedSweeps, false);

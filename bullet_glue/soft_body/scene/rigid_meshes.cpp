@@ -93,7 +93,7 @@ void ReadState(qcSceneRigid* rigid, const btTransform& start, btScalar timeStep)
 }
 } // namespace
 
-void qcSoftBodyMeshes::BeginStep(const qcBroadphases& broadphases)
+void qcRigidMeshes::BeginStep(const qcBroadphases& broadphases)
 {
     m_beginnings.clear();
     m_starts.Begin(broadphases,
@@ -104,7 +104,7 @@ void qcSoftBodyMeshes::BeginStep(const qcBroadphases& broadphases)
                    });
 }
 
-void qcSoftBodyMeshes::ReadMotions(const qcBroadphases& broadphases, btScalar timeStep, const qcRigidLimits* limits)
+void qcRigidMeshes::ReadMotions(const qcBroadphases& broadphases, btScalar timeStep, const qcRigidLimits* limits)
 {
     m_timeStep = timeStep;
     m_starts.Read(broadphases, timeStep, limits);
@@ -112,7 +112,7 @@ void qcSoftBodyMeshes::ReadMotions(const qcBroadphases& broadphases, btScalar ti
     m_reshaped.Read(m_overlaps.Candidates());
 }
 
-void qcSoftBodyMeshes::InvalidateShape(const btCollisionShape* shape)
+void qcRigidMeshes::InvalidateShape(const btCollisionShape* shape)
 {
     m_shapes.Forget(shape);
     m_reshaped.InvalidateShape(shape);
@@ -123,7 +123,7 @@ void qcSoftBodyMeshes::InvalidateShape(const btCollisionShape* shape)
 }
 
 /// The object as it was in the previous step; null: not known.
-qcSceneRigid* qcSoftBodyMeshes::FindLast(const btCollisionObject* object) const
+qcSceneRigid* qcRigidMeshes::FindLast(const btCollisionObject* object) const
 {
     for (const auto* known : {&m_rigids, &m_away})
         for (const std::unique_ptr<qcSceneRigid>& last : *known)
@@ -134,7 +134,7 @@ qcSceneRigid* qcSoftBodyMeshes::FindLast(const btCollisionObject* object) const
 
 /// True if the object is known with other triangles. `box` receives the lower and upper corner of the box around their
 /// motion.
-bool qcSoftBodyMeshes::IsReshaped(const btCollisionObject* object, btVector3 box[2]) const
+bool qcRigidMeshes::IsReshaped(const btCollisionObject* object, btVector3 box[2]) const
 {
     const qcSceneRigid* last = FindLast(object);
     if (last == nullptr || AreSame(last->shapes, qcRigidShapes::ShapesOf(object, last->withSurfaces)))
@@ -150,8 +150,7 @@ bool qcSoftBodyMeshes::IsReshaped(const btCollisionObject* object, btVector3 box
     return true;
 }
 
-void qcSoftBodyMeshes::ForEachPlaced(const qcBroadphases& broadphases,
-                                     const qcObjectStarts::BoxFunction& function) const
+void qcRigidMeshes::ForEachPlaced(const qcBroadphases& broadphases, const qcObjectStarts::BoxFunction& function) const
 {
     m_starts.ForEachPlaced(broadphases, function);
     qcForEachObject(broadphases,
@@ -164,7 +163,7 @@ void qcSoftBodyMeshes::ForEachPlaced(const qcBroadphases& broadphases,
 }
 
 /// Adds overlaps of objects whose triangles have passed boxes of soft bodies since the previous step.
-void qcSoftBodyMeshes::AddReshaped()
+void qcRigidMeshes::AddReshaped()
 {
     const size_t count = m_overlaps.All().size();
     for (btCollisionObject* object : m_reshaped.Objects())
@@ -180,7 +179,7 @@ void qcSoftBodyMeshes::AddReshaped()
 
 /// Keeps the meshes of objects whose triangles the application moves and that are near no soft body. Contacts may move
 /// one there: see Extend.
-void qcSoftBodyMeshes::KeepReshaped()
+void qcRigidMeshes::KeepReshaped()
 {
     std::vector<std::unique_ptr<qcSceneRigid>> away;
     for (btCollisionObject* object : m_reshaped.Objects())
@@ -212,7 +211,7 @@ void qcSoftBodyMeshes::KeepReshaped()
     m_away.swap(away);
 }
 
-bool qcSoftBodyMeshes::FindTransform(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTransform* transform) const
+bool qcRigidMeshes::FindTransform(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTransform* transform) const
 {
     const std::vector<qcSceneShape> present = qcRigidShapes::ShapesOf(rigid.object, rigid.withSurfaces);
     const qcSceneShape& shape = rigid.shapes[mesh.index];
@@ -224,7 +223,7 @@ bool qcSoftBodyMeshes::FindTransform(const qcSceneRigid& rigid, const qcSceneMes
 }
 
 /// The collected objects that have meshes. Those that are tracked already, unchanged, are moved out of m_rigids.
-std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
+std::vector<std::unique_ptr<qcSceneRigid>> qcRigidMeshes::TakeTracked()
 {
     m_overlaps.Merge();
     m_overlaps.AddLinks();
@@ -265,7 +264,7 @@ std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
 }
 
 /// Finds the multibody of a link that Bullet moves.
-void qcSoftBodyMeshes::FindMultiBody(qcSceneRigid* rigid)
+void qcRigidMeshes::FindMultiBody(qcSceneRigid* rigid)
 {
     const btMultiBodyLinkCollider* collider = qcAsLink(rigid->object);
     rigid->multibody = nullptr;
@@ -289,7 +288,7 @@ void qcSoftBodyMeshes::FindMultiBody(qcSceneRigid* rigid)
 }
 
 /// Appends the object, with its meshes in the scene. After a failure it is not tracked, and none of them is there.
-qcStatus qcSoftBodyMeshes::Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid)
+qcStatus qcRigidMeshes::Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid)
 {
     qcActivity previous = rigid->activity;
     ReadState(rigid.get(), m_starts.StartOf(rigid->object), m_timeStep);
@@ -308,7 +307,7 @@ qcStatus qcSoftBodyMeshes::Track(qcScene* scene, std::unique_ptr<qcSceneRigid> r
     return status;
 }
 
-void qcSoftBodyMeshes::IndexSlots()
+void qcRigidMeshes::IndexSlots()
 {
     m_meshOfSlot.clear();
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
@@ -321,7 +320,7 @@ void qcSoftBodyMeshes::IndexSlots()
         }
 }
 
-qcStatus qcSoftBodyMeshes::Sync(qcScene* scene)
+qcStatus qcRigidMeshes::Sync(qcScene* scene)
 {
     std::vector<std::unique_ptr<qcSceneRigid>> rigids = TakeTracked();
     for (const std::unique_ptr<qcSceneRigid>& gone : m_rigids)
@@ -337,7 +336,7 @@ qcStatus qcSoftBodyMeshes::Sync(qcScene* scene)
     return status;
 }
 
-bool qcSoftBodyMeshes::MayMiss() const
+bool qcRigidMeshes::MayMiss() const
 {
     auto isInPart = [](const qcSceneShape& shape) { return shape.surface != nullptr && !shape.surface->isWhole; };
     auto hasParts = [&](const std::unique_ptr<qcSceneRigid>& rigid)
@@ -345,7 +344,7 @@ bool qcSoftBodyMeshes::MayMiss() const
     return m_overlaps.Candidates().size() > m_rigids.size() || std::any_of(m_rigids.begin(), m_rigids.end(), hasParts);
 }
 
-qcStatus qcSoftBodyMeshes::Extend(qcScene* scene, bool* added)
+qcStatus qcRigidMeshes::Extend(qcScene* scene, bool* added)
 {
     qcStatus status = qc_statusOk;
     m_overlaps.Merge();
@@ -378,14 +377,14 @@ qcStatus qcSoftBodyMeshes::Extend(qcScene* scene, bool* added)
     return status;
 }
 
-bool qcSoftBodyMeshes::StartWhereTheyEnded() const
+bool qcRigidMeshes::StartWhereTheyEnded() const
 {
     auto startsThere = [](const std::unique_ptr<qcSceneRigid>& rigid)
     { return rigid->hasEnd && qcAreSame(rigid->start, rigid->end); };
     return std::all_of(m_rigids.begin(), m_rigids.end(), startsThere);
 }
 
-qcStatus qcSoftBodyMeshes::SyncTransforms(qcScene* scene, bool atStart)
+qcStatus qcRigidMeshes::SyncTransforms(qcScene* scene, bool atStart)
 {
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
         for (qcSceneMesh& mesh : rigid->meshes)
@@ -399,7 +398,7 @@ qcStatus qcSoftBodyMeshes::SyncTransforms(qcScene* scene, bool atStart)
     return qc_statusOk;
 }
 
-void qcSoftBodyMeshes::AddMotionBoxes(btScalar reach, qcMotionBoxes* boxes) const
+void qcRigidMeshes::AddMotionBoxes(btScalar reach, qcMotionBoxes* boxes) const
 {
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
         for (const qcSceneMesh& mesh : rigid->meshes)
@@ -411,7 +410,7 @@ void qcSoftBodyMeshes::AddMotionBoxes(btScalar reach, qcMotionBoxes* boxes) cons
         }
 }
 
-int qcSoftBodyMeshes::CountWith(bool surface) const
+int qcRigidMeshes::CountWith(bool surface) const
 {
     auto isIt = [surface](const qcSceneMesh& mesh) { return mesh.isSurface == surface; };
     auto has = [&](const std::unique_ptr<qcSceneRigid>& rigid)
@@ -419,7 +418,7 @@ int qcSoftBodyMeshes::CountWith(bool surface) const
     return int(std::count_if(m_rigids.begin(), m_rigids.end(), has));
 }
 
-const qcSceneMesh* qcSoftBodyMeshes::Find(uint32_t slot, qcSceneRigid** rigid)
+const qcSceneMesh* qcRigidMeshes::Find(uint32_t slot, qcSceneRigid** rigid)
 {
     if (slot >= m_meshOfSlot.size() || m_meshOfSlot[slot].first == nullptr)
         return nullptr;

@@ -16,7 +16,7 @@
 
 class btBroadphaseInterface;
 
-class qcSoftBodyMeshes
+class qcRigidMeshes
 {
   public:
     /// The step starts: Bullet has moved nothing yet.

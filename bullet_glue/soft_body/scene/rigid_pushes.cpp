@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-bool qcSoftBodyMeshes::Commit()
+bool qcRigidMeshes::Commit()
 {
     bool any = false;
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
@@ -30,7 +30,7 @@ bool qcSoftBodyMeshes::Commit()
     return any;
 }
 
-void qcSoftBodyMeshes::MoveFromStart(qcSceneRigid& rigid, const btTransform& motion)
+void qcRigidMeshes::MoveFromStart(qcSceneRigid& rigid, const btTransform& motion)
 {
     if (!rigid.IsFree())
         return;
@@ -38,7 +38,7 @@ void qcSoftBodyMeshes::MoveFromStart(qcSceneRigid& rigid, const btTransform& mot
     rigid.object->setWorldTransform(qcAreSame(motion, btTransform::getIdentity()) ? rigid.start : motion * rigid.start);
 }
 
-void qcSoftBodyMeshes::UpdateVelocities(btScalar timeStep)
+void qcRigidMeshes::UpdateVelocities(btScalar timeStep)
 {
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
     {
@@ -71,7 +71,7 @@ void qcSoftBodyMeshes::UpdateVelocities(btScalar timeStep)
     RecordEnds();
 }
 
-bool qcSoftBodyMeshes::Fix(const std::vector<const btCollisionObject*>& objects)
+bool qcRigidMeshes::Fix(const std::vector<const btCollisionObject*>& objects)
 {
     bool any = false;
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
@@ -80,7 +80,7 @@ bool qcSoftBodyMeshes::Fix(const std::vector<const btCollisionObject*>& objects)
     return any;
 }
 
-bool qcSoftBodyMeshes::ReturnToStart(const std::vector<qcSceneRigid*>& rigids)
+bool qcRigidMeshes::ReturnToStart(const std::vector<qcSceneRigid*>& rigids)
 {
     for (qcSceneRigid* returned : rigids)
     {
@@ -100,7 +100,7 @@ bool qcSoftBodyMeshes::ReturnToStart(const std::vector<qcSceneRigid*>& rigids)
     return false;
 }
 
-void qcSoftBodyMeshes::RecordEnds()
+void qcRigidMeshes::RecordEnds()
 {
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
     {
@@ -113,7 +113,7 @@ void qcSoftBodyMeshes::RecordEnds()
         multibody->ForEachMovedCollider([this](const btCollisionObject* link) { m_starts.RecordEnd(link); });
 }
 
-void qcSoftBodyMeshes::Restore()
+void qcRigidMeshes::Restore()
 {
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
     {
