@@ -1,4 +1,4 @@
-// What is wrong with a fracture that is saved or loaded.
+// The first defect of a fracture that is saved or loaded.
 #include "fracture/piece_defects.h"
 
 #include "common/finite.h"

@@ -1,4 +1,4 @@
-// What is wrong with a fracture that is saved or loaded: the first defect, or an empty text.
+// The first defect of a fracture that is saved or loaded, or an empty text.
 #ifndef QC_GLUE_FRACTURE_PIECE_DEFECTS_H
 #define QC_GLUE_FRACTURE_PIECE_DEFECTS_H
 

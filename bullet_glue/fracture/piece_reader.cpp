@@ -13,7 +13,7 @@
 
 namespace
 {
-/// What a file is refused for.
+/// Why a file is refused.
 struct Refused
 {
     std::string reason;

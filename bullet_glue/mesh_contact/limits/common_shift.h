@@ -5,7 +5,7 @@
 #include "common/object_motion.h"
 #include "mesh_contact/limits/swept_object.h"
 
-/// Where the rigid bodies are that Bullet moves, also those that limits have no need to look at.
+/// Origins of all rigid bodies that Bullet moves, those that limits ignore included.
 class qcBodyOrigins
 {
   public:

@@ -9,7 +9,7 @@
 
 #include <memory>
 
-/// What of an object a mesh is.
+/// Which triangles of an object a mesh has.
 enum class qcSweptPart : uint8_t
 {
     mesh,
@@ -55,7 +55,7 @@ struct qcSweptMesh : qcMeshBody
     qcStatus Place(qcScene* scene, const btTransform& object, bool atStart);
 };
 
-/// What of a shape is swept: its meshes and, unless these are null, the cores and inner cores of its convex shapes.
+/// The meshes of a shape and, unless these are null, the cores and inner cores of its convex shapes.
 std::vector<qcSweptSource> qcCollectSwept(const btCollisionShape* shape, qcConvexCores* cores,
                                           qcConvexCores* innerCores);
 /// Reads these meshes.

@@ -1,4 +1,4 @@
-// What of an object of a world is swept.
+// The triangles of an object that limits test.
 #include "mesh_contact/limits/swept_shape.h"
 
 void qcSweptShape::ReadCores(const btCollisionShape* shape)

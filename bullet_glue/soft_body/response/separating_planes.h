@@ -30,7 +30,7 @@ struct qcUnprovenPair
 /// `start`: the proximity of the pair at the start of the step.
 qcUnprovenPair qcMakeUnproven(qcSoftBodyScene& scene, const qcPair& pair, const qcProximity& start);
 
-/// How a pair that touches at the start moves along its direction of least penetration.
+/// Classifies the motion of a pair that touches at the start, along its direction of smallest penetration.
 enum class qcTouchingMotion
 {
     Proven,   ///< a direction separates at the end, and up to rounding at the start

@@ -26,7 +26,7 @@ struct qcSceneRigid
     btTransform start = btTransform::getIdentity();  ///< of the object, at the start of the step
     btTransform solved = btTransform::getIdentity(); ///< of the object, after Bullet's own solvers
 
-    /// Of its surface in the step, where it stays in place and has velocities: a conveyor belt.
+    /// Displacement of its surface in the step, if it stays in place and has velocities: a conveyor belt.
     qcRigidDisplacement conveyed;
 
     bool isGuided = false;         ///< it can move, and not in all directions alike: joints or factors guide it

@@ -205,7 +205,7 @@ qcStatus qcSoftBodyScene::SyncPositions()
         return qc_statusOk;
     bool isFurther = false;
     qcStatus status = FollowMotions(&isFurther);
-    // What contacts have moved may have come near a body that was alone.
+    // Contacts may have moved something near a body that was alone.
     if (status == qc_statusOk && (FindLone(false) || isFurther))
         status = MarkStarts(false);
     for (size_t i = 0; i < m_bodies.size() && status == qc_statusOk; i++)

@@ -1,4 +1,4 @@
-// What a scene of soft bodies does at the start of a step: which bodies it has, and where they start.
+// The start of a step: which soft bodies the scene has, and where they start.
 #include "soft_body/scene/soft_scene.h"
 
 #include "common/finite.h"
@@ -205,7 +205,7 @@ qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, 
     }
     const qcTranslation shift = FindShift(BroadphasesOf(bodies), start);
     meshes.Starts().SetShift(shift);
-    // What is tracked is whole, also where another body could not be added.
+    // Each tracked body is complete, also where another one could not be added.
     m_bodyOfSlot.clear();
     for (size_t i = 0; i < m_bodies.size(); i++)
     {
