@@ -58,7 +58,7 @@ int qcPairCache::BucketOf(const btBroadphaseProxy* a, const btBroadphaseProxy* b
     return int(key & unsigned(m_hashTable.size() - 1));
 }
 
-/// Whether each pair, from a given one on, is in its bucket. If it is not, this version of Bullet uses another hash.
+/// True if each pair, from a given one on, is in its bucket. False: this version of Bullet uses another hash.
 bool qcPairCache::KnowsBuckets(int first) const
 {
     const btBroadphasePairArray& known = getOverlappingPairArray();
@@ -138,7 +138,7 @@ bool qcPairCache::CanAppend()
            KnowsBuckets(std::max(0, count - qc_checkedPairs));
 }
 
-/// Whether a pair is among those before index `end`.
+/// True if a pair is among those before index `end`.
 bool qcPairCache::Holds(const Upcoming& pair, int end) const
 {
     const btBroadphasePairArray& known = getOverlappingPairArray();

@@ -25,7 +25,7 @@ class qcPairCache : public btHashedOverlappingPairCache
 
     /// Makes room for so many more pairs, if there are few so far. Returns whether there is room for them.
     bool ReserveMore(int count);
-    /// Whether Append adds pairs as addOverlappingPair does: no callback is to be called, and Bullet's hash is known.
+    /// True if Append adds pairs as addOverlappingPair does: no callback is to be called, and Bullet's hash is known.
     bool CanAppend();
     /// Adds pairs that differ from each other and from all pairs from index `first` on. Their filters agree, and there
     /// is room for them.

@@ -308,7 +308,7 @@ void qcPairCacheSync::AddFetched(UpcomingPairs& pairs)
     }
 }
 
-/// Whether the pair of two boxes that began to overlap is new. Proxies that are queried again are skipped: their
+/// True if the pair of two boxes that began to overlap is new. Proxies that are queried again are skipped: their
 /// queries find these pairs.
 bool qcPairCacheSync::IsNew(const qcProxy* a, const qcProxy* b) const
 {

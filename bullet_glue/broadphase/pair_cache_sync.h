@@ -50,7 +50,7 @@ class qcPairCacheSync
     /// Allows the next few proxies that change to get their pairs before the search.
     void ResetEarlyQueries();
 
-    /// Whether a filter callback decided in the last search.
+    /// True if a filter callback decided in the last search.
     bool HasFilterCallback() const
     {
         return m_filter != nullptr;
@@ -93,7 +93,7 @@ class qcPairCacheSync
         int count;
     };
 
-    /// Whether the proxy waits to be freed. Mostly none does, and no state is read.
+    /// True if the proxy waits to be freed. Mostly none does, and no state is read.
     bool IsDestroyed(const qcProxy* proxy) const
     {
         return m_destroyedCount != 0 && proxy->state().destroyed;

@@ -42,6 +42,13 @@ struct qcTranslation
         return by.length() > error &&
                (to - from - by).length() <= std::max(error, qcPlaceRounding * (from.length() + to.length()));
     }
+    /// True if something has moved by the translation alone, up to rounding.
+    bool IsOf(const btTransform& from, const btTransform& to) const
+    {
+        auto isTurned = [&](int row)
+        { return (from.getBasis()[row] - to.getBasis()[row]).length2() > qcPlaceRounding * qcPlaceRounding; };
+        return IsOf(from.getOrigin(), to.getOrigin()) && !isTurned(0) && !isTurned(1) && !isTurned(2);
+    }
 };
 
 /// Half the diagonal of a shape's box.

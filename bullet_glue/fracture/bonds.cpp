@@ -55,8 +55,8 @@ Area AreaOf(const CutFace& face)
     return area;
 }
 
-/// What the part of a convex polygon inside one edge of a counterclockwise triangle is. `across`: normal of the edge in
-/// the triangle's plane, to the outside.
+/// Clips a convex polygon by an edge of a counterclockwise triangle. `across`: normal of the edge in the triangle's
+/// plane, to the outside.
 void ClipPolygon(const qcClipPoint& on, const qcClipPoint& across, std::vector<qcClipPoint>* polygon)
 {
     std::vector<qcClipPoint> kept;

@@ -1,4 +1,4 @@
-// Welding, volume and islands of meshes.
+// Welding, volume and components of meshes.
 #include "fracture/faceted_mesh.h"
 
 #include "fracture/scratch.h"
@@ -64,23 +64,23 @@ double qcFacetedMesh_Measure(const qcFacetedMesh& mesh, qcClipPoint* first)
     return volume;
 }
 
-std::vector<qcFacetedMesh> qcFacetedMesh_FindIslands(const qcFacetedMesh& mesh, qcClipScratch* scratch)
+std::vector<qcFacetedMesh> qcFacetedMesh_FindComponents(const qcFacetedMesh& mesh, qcClipScratch* scratch)
 {
-    qcUnionFind& islands = scratch->islands;
-    islands.Reset(mesh.points.size());
+    qcUnionFind& components = scratch->components;
+    components.Reset(mesh.points.size());
     for (const qcClipTriangle& triangle : mesh.triangles)
         for (size_t c = 1; c < 3; c++)
-            islands.Unite(triangle.corner[c], triangle.corner[0]);
+            components.Unite(triangle.corner[c], triangle.corner[0]);
     std::vector<qcFacetedMesh> meshes;
-    std::vector<uint32_t>&islandOf = scratch->island, &newIndices = scratch->newIndices;
-    islandOf.assign(mesh.points.size(), s_none);
+    std::vector<uint32_t>&componentOf = scratch->component, &newIndices = scratch->newIndices;
+    componentOf.assign(mesh.points.size(), s_none);
     newIndices.assign(mesh.points.size(), s_none);
     for (qcClipTriangle triangle : mesh.triangles)
     {
-        uint32_t& island = islandOf[islands.Find(triangle.corner[0])];
-        if (island == s_none)
+        uint32_t& component = componentOf[components.Find(triangle.corner[0])];
+        if (component == s_none)
         {
-            island = uint32_t(meshes.size());
+            component = uint32_t(meshes.size());
             meshes.emplace_back();
         }
         for (uint32_t& corner : triangle.corner)
@@ -88,12 +88,12 @@ std::vector<qcFacetedMesh> qcFacetedMesh_FindIslands(const qcFacetedMesh& mesh, 
             uint32_t& newIndex = newIndices[corner];
             if (newIndex == s_none)
             {
-                newIndex = uint32_t(meshes[island].points.size());
-                meshes[island].points.push_back(mesh.points[corner]);
+                newIndex = uint32_t(meshes[component].points.size());
+                meshes[component].points.push_back(mesh.points[corner]);
             }
             corner = newIndex;
         }
-        meshes[island].triangles.push_back(triangle);
+        meshes[component].triangles.push_back(triangle);
     }
     return meshes;
 }

@@ -56,7 +56,8 @@ void qcFacetedMesh_Weld(qcFacetedMesh* mesh, qcClipScratch* scratch);
 /// Returns the volume; `first` receives the integral of positions over it.
 double qcFacetedMesh_Measure(const qcFacetedMesh& mesh, qcClipPoint* first);
 
-/// The islands of the mesh, connected over vertices, each with its own vertices. In the order of their first triangles.
-std::vector<qcFacetedMesh> qcFacetedMesh_FindIslands(const qcFacetedMesh& mesh, qcClipScratch* scratch);
+/// The components of the mesh, connected over vertices, each with its own vertices. In the order of their first
+/// triangles.
+std::vector<qcFacetedMesh> qcFacetedMesh_FindComponents(const qcFacetedMesh& mesh, qcClipScratch* scratch);
 
 #endif

@@ -156,9 +156,9 @@ double WindingAbout(const qcFacetedMesh& mesh, const qcClipPoint& point)
     return sum / (2 * 3.14159265358979323846);
 }
 
-/// Joins hollows to the pieces around them. A hollow is an island of its own, inside out; it belongs to the smallest
-/// island that encloses it.
-void JoinHollows(std::vector<qcFacetedMesh>* islands)
+/// Joins hollows to the pieces around them. A hollow is a component of its own, inside out; it belongs to the smallest
+/// component that encloses it.
+void JoinHollows(std::vector<qcFacetedMesh>* components)
 {
     auto holds = [](const qcFacetedMesh& outer, const qcFacetedMesh& inner)
     {
@@ -172,27 +172,27 @@ void JoinHollows(std::vector<qcFacetedMesh>* islands)
         }
         return true;
     };
-    if (islands->size() == 1)
+    if (components->size() == 1)
         return;
     std::vector<double> volumes;
-    for (const qcFacetedMesh& island : *islands)
+    for (const qcFacetedMesh& component : *components)
     {
         qcClipPoint first;
-        volumes.push_back(qcFacetedMesh_Measure(island, &first));
+        volumes.push_back(qcFacetedMesh_Measure(component, &first));
     }
-    for (size_t i = 0; i < islands->size(); i++)
+    for (size_t i = 0; i < components->size(); i++)
     {
         if (volumes[i] >= 0)
             continue;
-        qcFacetedMesh& inner = (*islands)[i];
-        size_t around = islands->size();
-        for (size_t k = 0; k < islands->size(); k++)
-            if (volumes[k] > 0 && (around == islands->size() || volumes[k] < volumes[around]) &&
-                holds((*islands)[k], inner) && WindingAbout((*islands)[k], inner.points[0]) >= 0.5)
+        qcFacetedMesh& inner = (*components)[i];
+        size_t around = components->size();
+        for (size_t k = 0; k < components->size(); k++)
+            if (volumes[k] > 0 && (around == components->size() || volumes[k] < volumes[around]) &&
+                holds((*components)[k], inner) && WindingAbout((*components)[k], inner.points[0]) >= 0.5)
                 around = k;
-        if (around == islands->size())
+        if (around == components->size())
             continue;
-        qcFacetedMesh& outer = (*islands)[around];
+        qcFacetedMesh& outer = (*components)[around];
         uint32_t offset = uint32_t(outer.points.size());
         outer.points.insert(outer.points.end(), inner.points.begin(), inner.points.end());
         for (qcClipTriangle triangle : inner.triangles)
@@ -210,18 +210,18 @@ struct CellPieces
 {
     std::vector<qcPiece> pieces;
     std::vector<qcPieceCuts> cuts; ///< of each piece
-    double volume = 0;             ///< of all islands, lost ones included; islands that are inside out count negative
+    double volume = 0; ///< of all components, lost ones included; components that are inside out count negative
     double lostVolume = 0;
 };
 
 /// Puts the origin of the piece's frame at `center`, rounded, and fills the vertices, in units, relative to it.
-qcMassProperties MeasureAbout(const qcFacetedMesh& island, const qcClipPoint& center, const qcFractureUnits& units,
+qcMassProperties MeasureAbout(const qcFacetedMesh& component, const qcClipPoint& center, const qcFractureUnits& units,
                               qcPiece* piece)
 {
     piece->frame.setOrigin(units.Global(center));
     const qcClipPoint origin = units.Local(piece->frame.getOrigin());
     piece->vertices.clear();
-    for (const qcClipPoint& p : island.points)
+    for (const qcClipPoint& p : component.points)
         piece->vertices.emplace_back(btScalar(p[0] - origin[0]), btScalar(p[1] - origin[1]),
                                      btScalar(p[2] - origin[2]));
     // In units, so that no moment of inertia overflows.
@@ -230,9 +230,9 @@ qcMassProperties MeasureAbout(const qcFacetedMesh& island, const qcClipPoint& ce
 }
 
 /// Fills the piece's vertices in its frame: the centre of mass (given in local positions) and the principal axes.
-void PutInFrame(const qcFacetedMesh& island, const qcClipPoint& center, const qcFractureUnits& units, qcPiece* piece)
+void PutInFrame(const qcFacetedMesh& component, const qcClipPoint& center, const qcFractureUnits& units, qcPiece* piece)
 {
-    qcMassProperties mass = MeasureAbout(island, center, units, piece);
+    qcMassProperties mass = MeasureAbout(component, center, units, piece);
     // Vertices are relative to the origin of the frame after its rounding to btScalar.
     qcClipPoint origin = units.Local(piece->frame.getOrigin());
     if (!mass.closed)
@@ -240,14 +240,14 @@ void PutInFrame(const qcFacetedMesh& island, const qcClipPoint& center, const qc
         // A thin shell has its own centre: that of the volume may lie outside, where parts are inside out.
         for (size_t k = 0; k < 3; k++)
             origin[k] += double(mass.center[int(k)]);
-        mass = MeasureAbout(island, origin, units, piece);
+        mass = MeasureAbout(component, origin, units, piece);
         origin = units.Local(piece->frame.getOrigin());
     }
     const btMatrix3x3& axes = mass.principalFrame.getBasis();
-    for (size_t i = 0; i < island.points.size(); i++)
+    for (size_t i = 0; i < component.points.size(); i++)
     {
         // Rounded once, so that coinciding cut faces of two pieces also coincide in their frames.
-        const qcClipPoint& p = island.points[i];
+        const qcClipPoint& p = component.points[i];
         const qcClipPoint v = {p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]};
         for (int k = 0; k < 3; k++)
             piece->vertices[i][k] = btScalar(
@@ -261,16 +261,16 @@ void PutInFrame(const qcFacetedMesh& island, const qcClipPoint& center, const qc
     }
 }
 
-/// The triangles of an island in cuts.
-qcPieceCuts CutsOf(const Job& job, const qcFacetedMesh& island, uint32_t cell)
+/// The triangles of a component in cuts.
+qcPieceCuts CutsOf(const Job& job, const qcFacetedMesh& component, uint32_t cell)
 {
     qcPieceCuts cuts;
     cuts.cell = cell;
-    for (const qcClipTriangle& triangle : island.triangles)
+    for (const qcClipTriangle& triangle : component.triangles)
         if (triangle.face >= job.firstCut && triangle.face < job.firstCut + job.sites.numbers.size())
             cuts.triangles.push_back({triangle.face - job.firstCut,
-                                      {island.points[triangle.corner[0]], island.points[triangle.corner[1]],
-                                       island.points[triangle.corner[2]]}});
+                                      {component.points[triangle.corner[0]], component.points[triangle.corner[1]],
+                                       component.points[triangle.corner[2]]}});
     return cuts;
 }
 
@@ -281,10 +281,10 @@ uint32_t SiteAcross(const Job& job, uint32_t face)
     return cell < job.sites.numbers.size() ? job.sites.numbers[cell] : UINT32_MAX;
 }
 
-void AddPiece(const Job& job, const qcFacetedMesh& island, uint32_t cell, CellPieces* cellPieces)
+void AddPiece(const Job& job, const qcFacetedMesh& component, uint32_t cell, CellPieces* cellPieces)
 {
     qcClipPoint first;
-    double volume = qcFacetedMesh_Measure(island, &first);
+    double volume = qcFacetedMesh_Measure(component, &first);
     cellPieces->volume += volume;
     if (!(volume > s_minShare * job.volume))
     {
@@ -294,20 +294,20 @@ void AddPiece(const Job& job, const qcFacetedMesh& island, uint32_t cell, CellPi
     qcPiece piece;
     piece.site = job.sites.numbers[cell];
     piece.volume = job.units.GlobalVolume(volume);
-    piece.vertices.reserve(island.points.size());
-    piece.indices.reserve(3 * island.triangles.size());
-    piece.sources.reserve(island.triangles.size());
+    piece.vertices.reserve(component.points.size());
+    piece.indices.reserve(3 * component.triangles.size());
+    piece.sources.reserve(component.triangles.size());
     for (bool isCut : {false, true})
-        for (const qcClipTriangle& triangle : island.triangles)
+        for (const qcClipTriangle& triangle : component.triangles)
             if ((triangle.face >= job.firstCut) == isCut)
             {
                 piece.firstCutTriangle += !isCut;
                 piece.indices.insert(piece.indices.end(), triangle.corner.begin(), triangle.corner.end());
                 piece.sources.push_back(isCut ? SiteAcross(job, triangle.face) : triangle.face);
             }
-    PutInFrame(island, {first[0] / volume, first[1] / volume, first[2] / volume}, job.units, &piece);
+    PutInFrame(component, {first[0] / volume, first[1] / volume, first[2] / volume}, job.units, &piece);
     cellPieces->pieces.push_back(std::move(piece));
-    cellPieces->cuts.push_back(CutsOf(job, island, cell));
+    cellPieces->cuts.push_back(CutsOf(job, component, cell));
 }
 
 /// The pieces of a solid that is clipped to the cell of a site.
@@ -316,10 +316,10 @@ CellPieces PiecesOf(const Job& job, uint32_t site, qcClipSolid* solid, qcClipScr
     CellPieces cellPieces;
     qcFacetedMesh mesh;
     qcClipSolid_Triangulate(solid, &mesh, scratch);
-    std::vector<qcFacetedMesh> islands = qcFacetedMesh_FindIslands(mesh, scratch);
-    JoinHollows(&islands);
-    for (const qcFacetedMesh& island : islands)
-        AddPiece(job, island, site, &cellPieces);
+    std::vector<qcFacetedMesh> components = qcFacetedMesh_FindComponents(mesh, scratch);
+    JoinHollows(&components);
+    for (const qcFacetedMesh& component : components)
+        AddPiece(job, component, site, &cellPieces);
     return cellPieces;
 }
 

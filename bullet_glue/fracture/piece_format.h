@@ -64,8 +64,4 @@ static_assert(sizeof(qcPieceFileHeader) == 24 && sizeof(qcPieceRecordHead) == 16
 static_assert(sizeof(qcFractureRecord) == 40 && sizeof(qcPieceRecord) == 144 && sizeof(qcBondRecord) == 64,
               "no padding");
 
-/// The first defect of a fracture, or an empty text: what a file may hold.
-std::string qcFindPieceDefect(const qcPiece& piece, const qcFracture& fracture);
-std::string qcFindBondDefect(const qcBond& bond, const qcFracture& fracture);
-
 #endif

@@ -1,5 +1,6 @@
 // Reads a fracture from a file. Nothing in a file is trusted: sizes are compared with what is there before anything is
 // read, and contents are checked although their hashes are right.
+#include "fracture/piece_defects.h"
 #include "fracture/piece_format.h"
 
 #include <cerrno>
@@ -12,7 +13,7 @@
 
 namespace
 {
-/// What a file is refused for.
+/// Why a file is refused.
 struct Refused
 {
     std::string reason;

@@ -1,4 +1,4 @@
-// What pieces look like: attributes of the mesh, interpolated by barycentric coordinates (Ericson: Real-Time Collision
+// Textures of pieces: attributes of the mesh, interpolated by barycentric coordinates (Ericson: Real-Time Collision
 // Detection, 2005, section 3.4), and planar coordinates in cuts.
 #include "quickcullide/bullet_fracture.h"
 

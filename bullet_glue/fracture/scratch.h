@@ -66,9 +66,9 @@ struct qcClipScratch
     qcClipLoops loops, openLoops;
     std::vector<qcOutlineCorner> corners, inward;
     std::vector<uint32_t> remaining;
-    //  Islands.
-    qcUnionFind islands;          ///< of points
-    std::vector<uint32_t> island; ///< by representative point
+    //  Components of a mesh.
+    qcUnionFind components;          ///< of points
+    std::vector<uint32_t> component; ///< by representative point
 };
 
 #endif

@@ -229,7 +229,8 @@ qcPlacedMesh PlacedMesh(const btCollisionObjectWrapper& body)
 }
 } // namespace
 
-qcPointsAlgorithm::qcPointsAlgorithm(const btCollisionAlgorithmConstructionInfo& info, qcMeshBatch* batch, bool query)
+qcPointsAlgorithm::qcPointsAlgorithm(const btCollisionAlgorithmConstructionInfo& info, qcContactBatch* batch,
+                                     bool query)
     : btCollisionAlgorithm(info), m_batch(batch), m_query(query), m_isShared(info.m_manifold != nullptr)
 {
     m_manifolds[0] = info.m_manifold;

@@ -14,7 +14,7 @@ class qcPointsAlgorithm : public btCollisionAlgorithm
   public:
     /// `query`: the algorithm lives for one query (contactTest, contactPairTest), which reports every point and reads
     /// no batch.
-    qcPointsAlgorithm(const btCollisionAlgorithmConstructionInfo& info, qcMeshBatch* batch, bool query);
+    qcPointsAlgorithm(const btCollisionAlgorithmConstructionInfo& info, qcContactBatch* batch, bool query);
     ~qcPointsAlgorithm() override;
 
     void processCollision(const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,
@@ -37,7 +37,7 @@ class qcPointsAlgorithm : public btCollisionAlgorithm
         return false;
     }
 
-    qcMeshBatch* m_batch;
+    qcContactBatch* m_batch;
     bool m_query;
 
   private:
@@ -91,7 +91,7 @@ class qcMeshPlaneAlgorithm : public qcPointsAlgorithm
     }
 
   private:
-    uint64_t m_mark = 0; ///< see qcMeshBatch::MarkStarts
+    uint64_t m_mark = 0; ///< see qcContactBatch::MarkStarts
 };
 
 #endif

@@ -52,13 +52,13 @@ btScalar qcContactDistance(const btCollisionShape* a, const btCollisionShape* b)
                      b->getContactBreakingThreshold(gContactBreakingThreshold)});
 }
 
-void qcMeshBatch::Note(qcStatus status)
+void qcContactBatch::Note(qcStatus status)
 {
     if (status != qc_statusOk)
         statistics.status = status;
 }
 
-qcDetectDef qcMeshBatch::DetectDef(btScalar margin, btScalar spacing) const
+qcDetectDef qcContactBatch::DetectDef(btScalar margin, btScalar spacing) const
 {
     qcDetectDef def = qcProfiledDetectDef();
     def.method = settings.method;
@@ -70,7 +70,7 @@ qcDetectDef qcMeshBatch::DetectDef(btScalar margin, btScalar spacing) const
 }
 
 /// Records an object that is not finite.
-void qcMeshBatch::LeaveOut(const btCollisionObject* object)
+void qcContactBatch::LeaveOut(const btCollisionObject* object)
 {
     if (statistics.notFinite == object)
         return;
@@ -80,7 +80,7 @@ void qcMeshBatch::LeaveOut(const btCollisionObject* object)
 }
 
 /// Forgets what LeaveOut has recorded.
-void qcMeshBatch::ForgetLeftOut()
+void qcContactBatch::ForgetLeftOut()
 {
     if (statistics.notFinite != nullptr)
         statistics.status = qc_statusOk;
@@ -88,7 +88,7 @@ void qcMeshBatch::ForgetLeftOut()
 }
 
 /// True, and recorded, if one of the two is not finite.
-bool qcMeshBatch::AreLeftOut(const qcPlacedMesh& a, const qcPlacedMesh& b)
+bool qcContactBatch::AreLeftOut(const qcPlacedMesh& a, const qcPlacedMesh& b)
 {
     for (const qcPlacedMesh* mesh : {&a, &b})
         if (!qcIsFinite(*mesh->object) || !qcIsFinite(mesh->transform))
@@ -100,7 +100,7 @@ bool qcMeshBatch::AreLeftOut(const qcPlacedMesh& a, const qcPlacedMesh& b)
 }
 
 /// Leaves what is known of all pairs, without the work of a step.
-void qcMeshBatch::ClearStatistics()
+void qcContactBatch::ClearStatistics()
 {
     ForgetLeftOut();
     qcMeshContactStatistics known;
@@ -117,14 +117,14 @@ void qcMeshBatch::ClearStatistics()
 }
 
 /// Marks two meshes whose triangles have to be tested.
-void qcMeshBatch::MarkTriangles(uint32_t slotA, uint32_t slotB)
+void qcContactBatch::MarkTriangles(uint32_t slotA, uint32_t slotB)
 {
     m_triangleSlots.resize(std::max({m_triangleSlots.size(), size_t(slotA) + 1, size_t(slotB) + 1}));
     m_triangleSlots[slotA] = m_triangleSlots[slotB] = 1;
 }
 
 /// Computes the pairs that planes separate, and passes on the others that are fast.
-void qcMeshBatch::ReadPairs()
+void qcContactBatch::ReadPairs()
 {
     BT_PROFILE("qcMeshContact planes");
     m_axes.BeginStep();
@@ -167,7 +167,7 @@ void qcMeshBatch::ReadPairs()
 }
 
 /// Finds contacts that fast pairs will have within the step.
-void qcMeshBatch::SampleImpacts()
+void qcContactBatch::SampleImpacts()
 {
     BT_PROFILE("qcMeshContact look ahead");
     double start = qcNowMs();
@@ -177,7 +177,7 @@ void qcMeshBatch::SampleImpacts()
 }
 
 /// The pair of two meshes' objects; null: the batch does not have it.
-qcPairContact* qcMeshBatch::FindPair(uint32_t slotA, uint32_t slotB)
+qcPairContact* qcContactBatch::FindPair(uint32_t slotA, uint32_t slotB)
 {
     size_t count = m_ownerOfSlot.size();
     uint32_t a = slotA < count ? m_ownerOfSlot[slotA] : 0, b = slotB < count ? m_ownerOfSlot[slotB] : 0;
@@ -185,27 +185,27 @@ qcPairContact* qcMeshBatch::FindPair(uint32_t slotA, uint32_t slotB)
 }
 
 /// The pair of two meshes' objects if it is to be queried; null otherwise.
-qcPairContact* qcMeshBatch::FindDue(uint32_t slotA, uint32_t slotB)
+qcPairContact* qcContactBatch::FindDue(uint32_t slotA, uint32_t slotB)
 {
     qcPairContact* pair = FindPair(slotA, slotB);
     return pair != nullptr && pair->isDue && pair->checked == m_validity.GetNumber() ? pair : nullptr;
 }
 
-bool qcMeshBatch::HasPair(void* context, uint32_t slotA, uint32_t slotB)
+bool qcContactBatch::HasPair(void* context, uint32_t slotA, uint32_t slotB)
 {
-    return static_cast<qcMeshBatch*>(context)->FindPair(slotA, slotB) != nullptr;
+    return static_cast<qcContactBatch*>(context)->FindPair(slotA, slotB) != nullptr;
 }
 
-bool qcMeshBatch::NeedsTriangles(void* context, uint32_t slotA, uint32_t slotB)
+bool qcContactBatch::NeedsTriangles(void* context, uint32_t slotA, uint32_t slotB)
 {
-    auto* batch = static_cast<qcMeshBatch*>(context);
+    auto* batch = static_cast<qcContactBatch*>(context);
     const std::vector<uint8_t>& marks = batch->m_triangleSlots;
     if (std::max(slotA, slotB) >= marks.size() || !marks[slotA] || !marks[slotB])
         return false;
     return !batch->m_planes.Has(slotA, slotB) && batch->FindDue(slotA, slotB) != nullptr;
 }
 
-void qcMeshBatch::NumberSlots()
+void qcContactBatch::NumberSlots()
 {
     m_ownerOfSlot.clear();
     for (const qcBatchPair& pair : m_validity.GetDue())
@@ -218,7 +218,7 @@ void qcMeshBatch::NumberSlots()
                 }
 }
 
-qcStatus qcMeshBatch::Detect()
+qcStatus qcContactBatch::Detect()
 {
     BT_PROFILE("qcMeshContact detect");
     qcDetectDef def = DetectDef(m_scene.GetMargin(), m_scene.GetSpacing());
@@ -246,7 +246,8 @@ qcStatus qcMeshBatch::Detect()
 }
 
 /// Keeps the points of a pair from the last query.
-void qcMeshBatch::StorePoints(const qcBatchPair& pair, std::vector<qcMeshPoint>* scratch, qcPairContact* contact) const
+void qcContactBatch::StorePoints(const qcBatchPair& pair, std::vector<qcMeshPoint>* scratch,
+                                 qcPairContact* contact) const
 {
     std::vector<qcMeshPoint>& points = *scratch;
     const qcBatchObject &a = *pair.gathered0, &b = *pair.gathered1;
@@ -277,7 +278,7 @@ void qcMeshBatch::StorePoints(const qcBatchPair& pair, std::vector<qcMeshPoint>*
 }
 
 /// Keeps what the query has found of a pair, but the distances of its triangles.
-void qcMeshBatch::StorePair(const qcBatchPair& pair, std::vector<qcMeshPoint>* scratch)
+void qcContactBatch::StorePair(const qcBatchPair& pair, std::vector<qcMeshPoint>* scratch)
 {
     const qcBatchObject &a = *pair.gathered0, &b = *pair.gathered1;
     qcPairContact& contact = *m_pairs.Find(a.owner, b.owner);
@@ -296,7 +297,7 @@ void qcMeshBatch::StorePair(const qcBatchPair& pair, std::vector<qcMeshPoint>* s
 }
 
 /// Keeps what the query has found of the due pairs.
-void qcMeshBatch::Store()
+void qcContactBatch::Store()
 {
     const std::vector<qcBatchPair>& due = m_validity.GetDue();
     m_points.resize(qcWorkersOf(settings.threads));
@@ -313,7 +314,7 @@ void qcMeshBatch::Store()
 }
 
 /// One query for all due pairs of the world.
-void qcMeshBatch::Run()
+void qcContactBatch::Run()
 {
     BT_PROFILE("qcMeshContact batch");
     double start = qcNowMs();
@@ -352,7 +353,7 @@ void qcMeshBatch::Run()
 
 /// The index of a mesh at its present transform among those of its object; -1: it is not there, or has changed since
 /// the check.
-int qcMeshBatch::FindMesh(const qcBatchObject& gathered, const qcPlacedMesh& mesh) const
+int qcContactBatch::FindMesh(const qcBatchObject& gathered, const qcPlacedMesh& mesh) const
 {
     const btTransform& object = mesh.object->getWorldTransform();
     auto isPlaced = [&](const qcBatchMesh& candidate)
@@ -366,7 +367,7 @@ int qcMeshBatch::FindMesh(const qcBatchObject& gathered, const qcPlacedMesh& mes
 }
 
 /// Appends the pair's known points. False if the last check did not have the pair.
-bool qcMeshBatch::ReadPair(const qcPlacedMesh& a, const qcPlacedMesh& b, std::vector<qcMeshPoint>* points) const
+bool qcContactBatch::ReadPair(const qcPlacedMesh& a, const qcPlacedMesh& b, std::vector<qcMeshPoint>* points) const
 {
     const qcBatchObject *gatheredA = m_scene.Find(a.object), *gatheredB = m_scene.Find(b.object);
     if (gatheredA == nullptr || gatheredB == nullptr)
@@ -392,8 +393,8 @@ bool qcMeshBatch::ReadPair(const qcPlacedMesh& a, const qcPlacedMesh& b, std::ve
     return true;
 }
 
-void qcMeshBatch::FindPoints(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar timeStep, uint64_t* check,
-                             std::vector<qcMeshPoint>* points)
+void qcContactBatch::FindPoints(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar timeStep, uint64_t* check,
+                                std::vector<qcMeshPoint>* points)
 {
     {
         std::lock_guard<std::mutex> lock(m_mutex);
@@ -423,14 +424,14 @@ void qcMeshBatch::FindPoints(const qcPlacedMesh& a, const qcPlacedMesh& b, btSca
     QueryPair(a, b, qcContactDistance(a.shape, b.shape) + a.shape->getMargin() + b.shape->getMargin(), points);
 }
 
-void qcMeshBatch::MarkStarts()
+void qcContactBatch::MarkStarts()
 {
     m_limiter.MarkStarts();
     m_mark++;
     m_isMarked = true;
 }
 
-void qcMeshBatch::MarkStarts(const btCollisionObject* a, const btCollisionObject* b, uint64_t* mark)
+void qcContactBatch::MarkStarts(const btCollisionObject* a, const btCollisionObject* b, uint64_t* mark)
 {
     if (AreOfGhost(a, b))
         return;
@@ -445,8 +446,8 @@ void qcMeshBatch::MarkStarts(const btCollisionObject* a, const btCollisionObject
     *mark = m_mark;
 }
 
-void qcMeshBatch::QueryPair(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar distance,
-                            std::vector<qcMeshPoint>* points)
+void qcContactBatch::QueryPair(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar distance,
+                               std::vector<qcMeshPoint>* points)
 {
     BT_PROFILE("qcMeshContact query");
     {
@@ -480,13 +481,13 @@ void qcMeshBatch::QueryPair(const qcPlacedMesh& a, const qcPlacedMesh& b, btScal
     Note(status);
 }
 
-const qcBatchObject* qcMeshBatch::FindCurrent(const btCollisionObject* object)
+const qcBatchObject* qcContactBatch::FindCurrent(const btCollisionObject* object)
 {
     const qcBatchObject* gathered = m_scene.Find(object);
     return gathered != nullptr && m_scene.IsUnchanged(object, *gathered) ? gathered : nullptr;
 }
 
-bool qcMeshBatch::StayApart(const qcKnownStep& a, const qcKnownStep& b)
+bool qcContactBatch::StayApart(const qcKnownStep& a, const qcKnownStep& b)
 {
     if (a.object.owner > b.object.owner)
         return StayApart(b, a);
@@ -495,7 +496,7 @@ bool qcMeshBatch::StayApart(const qcKnownStep& a, const qcKnownStep& b)
            qcPairContacts::StayApart(*pair, {a.start, a.end, a.object.radius}, {b.start, b.end, b.object.radius});
 }
 
-void qcMeshBatch::InvalidateShape(const btCollisionShape* shape)
+void qcContactBatch::InvalidateShape(const btCollisionShape* shape)
 {
     std::lock_guard<std::mutex> lock(m_mutex);
     m_scene.InvalidateShape(shape);
@@ -504,7 +505,7 @@ void qcMeshBatch::InvalidateShape(const btCollisionShape* shape)
 }
 
 /// Limits the motions of the step, and records anew whether an object of the world is not finite.
-void qcMeshBatch::Limit(btScalar timeStep)
+void qcContactBatch::Limit(btScalar timeStep)
 {
     ForgetLeftOut();
     m_limiter.Limit(timeStep, &statistics);
@@ -513,7 +514,7 @@ void qcMeshBatch::Limit(btScalar timeStep)
         LeaveOut(m_limiter.NotFinite());
 }
 
-void qcMeshBatch::LimitMotion(btScalar timeStep)
+void qcContactBatch::LimitMotion(btScalar timeStep)
 {
     std::lock_guard<std::mutex> lock(m_mutex);
     std::vector<const btCollisionObject*> moved;
@@ -525,21 +526,21 @@ void qcMeshBatch::LimitMotion(btScalar timeStep)
     m_isLimited = false;
 }
 
-void qcMeshBatch::LimitFirst(btScalar timeStep)
+void qcContactBatch::LimitFirst(btScalar timeStep)
 {
     std::lock_guard<std::mutex> lock(m_mutex);
     Limit(timeStep);
     m_isLimited = true;
 }
 
-void qcMeshBatch::LimitAgain(btScalar timeStep, const std::vector<const btCollisionObject*>& held,
-                             const qcStartFunction& startOf, std::vector<const btCollisionObject*>* moved)
+void qcContactBatch::LimitAgain(btScalar timeStep, const std::vector<const btCollisionObject*>& held,
+                                const qcStartFunction& startOf, std::vector<const btCollisionObject*>* moved)
 {
     std::lock_guard<std::mutex> lock(m_mutex);
     m_limiter.LimitAgain(timeStep, held, startOf, moved, &statistics);
 }
 
-void qcMeshBatch::Draw(btIDebugDraw* drawer, int modes)
+void qcContactBatch::Draw(btIDebugDraw* drawer, int modes)
 {
     std::lock_guard<std::mutex> lock(m_mutex);
     // The triangles of pairs that a plane separates are not queried before they are drawn.

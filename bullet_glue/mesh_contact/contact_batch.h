@@ -24,16 +24,16 @@ struct qcPlacedMesh
 };
 
 /// Thread-safety: the functions may run on several threads at once, except where noted.
-class qcMeshBatch : public qcRigidLimits, public qcKnownGaps
+class qcContactBatch : public qcRigidLimits, public qcKnownGaps
 {
   public:
-    explicit qcMeshBatch(qcDevice* device)
+    explicit qcContactBatch(qcDevice* device)
         : m_device(device), m_scene(settings), m_validity(m_scene, m_pairs), m_axes(settings),
           m_limiter(settings, *this, m_axes), m_planes(m_axes)
     {
     }
-    qcMeshBatch(const qcMeshBatch&) = delete;
-    qcMeshBatch& operator=(const qcMeshBatch&) = delete;
+    qcContactBatch(const qcContactBatch&) = delete;
+    qcContactBatch& operator=(const qcContactBatch&) = delete;
 
     /// Appends the contact points of a pair, up to the contact distance and within the motion of the step: from the
     /// last batch that had the pair if it still holds, else from a new one, for all pairs of the world of which nothing

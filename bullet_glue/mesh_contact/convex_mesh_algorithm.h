@@ -12,7 +12,7 @@ class qcConvexMeshAlgorithm : public btCollisionAlgorithm
 {
   public:
     /// Takes over `contact`, which the dispatcher has allocated.
-    qcConvexMeshAlgorithm(const btCollisionAlgorithmConstructionInfo& info, qcMeshBatch* batch,
+    qcConvexMeshAlgorithm(const btCollisionAlgorithmConstructionInfo& info, qcContactBatch* batch,
                           btCollisionAlgorithm* contact);
     ~qcConvexMeshAlgorithm() override;
 
@@ -23,15 +23,15 @@ class qcConvexMeshAlgorithm : public btCollisionAlgorithm
     void getAllContactManifolds(btManifoldArray& manifolds) override;
 
   private:
-    qcMeshBatch* m_batch;
+    qcContactBatch* m_batch;
     btCollisionAlgorithm* m_contact;
-    uint64_t m_mark = 0; ///< see qcMeshBatch::MarkStarts
+    uint64_t m_mark = 0; ///< see qcContactBatch::MarkStarts
 };
 
 /// Makes these algorithms, with contact by another function.
 struct qcConvexMeshCreate : btCollisionAlgorithmCreateFunc
 {
-    qcConvexMeshCreate(qcMeshBatch* ofWorld, btCollisionAlgorithmCreateFunc* contactFunction)
+    qcConvexMeshCreate(qcContactBatch* ofWorld, btCollisionAlgorithmCreateFunc* contactFunction)
         : batch(ofWorld), contact(contactFunction)
     {
     }
@@ -39,7 +39,7 @@ struct qcConvexMeshCreate : btCollisionAlgorithmCreateFunc
                                                    const btCollisionObjectWrapper* body0,
                                                    const btCollisionObjectWrapper* body1) override;
 
-    qcMeshBatch* batch;
+    qcContactBatch* batch;
     btCollisionAlgorithmCreateFunc* contact;
 };
 

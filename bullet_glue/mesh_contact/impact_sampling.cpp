@@ -228,7 +228,7 @@ btScalar qcImpactSampler::TakeRegion(qcMeshPoint* begin, qcMeshPoint* end, btSca
     return stopTime;
 }
 
-/// Whether points of a sample, with ends in the frames of the meshes, stop the pair before its next one.
+/// True if points of a sample, with ends in the frames of the meshes, stop the pair before its next sample.
 bool qcImpactSampler::IsStoppedBy(const std::vector<qcMeshPoint>& points, btScalar time, const Pair& pair) const
 {
     btScalar interval = m_timeStep / btScalar(pair.sampleCount);

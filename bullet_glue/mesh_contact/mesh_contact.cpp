@@ -29,7 +29,7 @@ static_assert(sizeof(qcMeshPlaneAlgorithm) <= sizeof(btConvexConcaveCollisionAlg
 static_assert(sizeof(qcConvexMeshAlgorithm) <= sizeof(btConvexConcaveCollisionAlgorithm), "fits into Bullet's pool");
 
 template <class Algorithm>
-btCollisionAlgorithm* Make(btCollisionAlgorithmConstructionInfo& info, qcMeshBatch* batch, bool query)
+btCollisionAlgorithm* Make(btCollisionAlgorithmConstructionInfo& info, qcContactBatch* batch, bool query)
 {
     return new (info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(Algorithm))) Algorithm(info, batch, query);
 }
@@ -37,11 +37,11 @@ btCollisionAlgorithm* Make(btCollisionAlgorithmConstructionInfo& info, qcMeshBat
 /// Creates algorithms that read the batch of a world.
 struct BatchCreate : btCollisionAlgorithmCreateFunc
 {
-    BatchCreate(qcMeshBatch* ofWorld, bool forQueries) : batch(ofWorld), query(forQueries)
+    BatchCreate(qcContactBatch* ofWorld, bool forQueries) : batch(ofWorld), query(forQueries)
     {
     }
 
-    qcMeshBatch* batch;
+    qcContactBatch* batch;
     bool query;
 };
 
@@ -81,7 +81,7 @@ struct MeshPlaneCreate : BatchCreate
 /// Bullet's worlds run actions right after they have integrated the transforms.
 struct LimitAction : btActionInterface
 {
-    explicit LimitAction(qcMeshBatch* ofWorld) : batch(ofWorld)
+    explicit LimitAction(qcContactBatch* ofWorld) : batch(ofWorld)
     {
     }
 
@@ -95,7 +95,7 @@ struct LimitAction : btActionInterface
     {
     }
 
-    qcMeshBatch* batch;
+    qcContactBatch* batch;
 };
 } // namespace
 
@@ -112,7 +112,7 @@ struct qcMeshContact::Implementation
     void Register(int type0, int type1, btCollisionAlgorithmCreateFunc* contact, btCollisionAlgorithmCreateFunc* query);
     void RegisterConvex(int type0, int type1);
 
-    qcMeshBatch batch;
+    qcContactBatch batch;
     btCollisionDispatcher* dispatcher = nullptr;
     MeshMeshCreate meshContact{&batch, false}, meshQuery{&batch, true};
     LimitAction limitAction{&batch};

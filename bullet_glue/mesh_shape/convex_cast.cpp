@@ -30,9 +30,9 @@ class MovingShape
                   16 * std::numeric_limits<btScalar>::epsilon() * scale;
     }
 
-    qcMeshTree::Sweep GetSweep() const
+    qcTriangleTree::Sweep GetSweep() const
     {
-        qcMeshTree::Sweep sweep = {m_from, m_from + m_way, btVector3(0, 0, 0), btVector3(0, 0, 0)};
+        qcTriangleTree::Sweep sweep = {m_from, m_from + m_way, btVector3(0, 0, 0), btVector3(0, 0, 0)};
         for (int axis = 0; axis < 3; axis++)
         {
             btVector3 direction(0, 0, 0);
@@ -134,7 +134,7 @@ bool IsWorlds(const btTriangleConvexcastCallback& cast)
 }
 } // namespace
 
-void qcCastThroughMesh(const qcMeshTree& tree, const btVector3* points, const uint32_t* indices,
+void qcCastThroughMesh(const qcTriangleTree& tree, const btVector3* points, const uint32_t* indices,
                        btTriangleConvexcastCallback* cast)
 {
     const MovingShape shape(*cast);

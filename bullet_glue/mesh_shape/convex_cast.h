@@ -8,7 +8,7 @@ class btTriangleConvexcastCallback;
 
 /// Gives `cast` the triangles that its shape may hit before m_hitFraction of its way. In btCollisionWorld's own casts a
 /// hit whose fraction the world's callback returns, as closest-hit callbacks do, shortens the rest of the cast.
-void qcCastThroughMesh(const qcMeshTree& tree, const btVector3* points, const uint32_t* indices,
+void qcCastThroughMesh(const qcTriangleTree& tree, const btVector3* points, const uint32_t* indices,
                        btTriangleConvexcastCallback* cast);
 
 #endif

@@ -91,8 +91,8 @@ struct qcMeshShape::Implementation
     mutable std::mutex supportMutex;
     mutable std::shared_ptr<const qcSupportMesh> support; ///< null: not built since the last change
     mutable std::mutex treeMutex;
-    mutable std::unique_ptr<qcMeshTree> treeOwner;
-    mutable std::atomic<const qcMeshTree*> tree{nullptr};
+    mutable std::unique_ptr<qcTriangleTree> treeOwner;
+    mutable std::atomic<const qcTriangleTree*> tree{nullptr};
 
     void ReadPositions(const void* positions, qcPositionType type, size_t stride, uint32_t count);
     /// Empties the mesh and sets the status if an index is out of range or a position not finite.
@@ -101,7 +101,7 @@ struct qcMeshShape::Implementation
     void Update();
     btScalar DefaultMargin() const;
     /// The BVH, built by the first call. Thread-safe.
-    const qcMeshTree& GetTree() const;
+    const qcTriangleTree& GetTree() const;
     void Report(btTriangleCallback* callback, uint32_t triangle) const;
 };
 
@@ -160,14 +160,14 @@ btScalar qcMeshShape::Implementation::DefaultMargin() const
     return std::min(btScalar(0.01), MeanEdge(points, indices) / 4);
 }
 
-const qcMeshTree& qcMeshShape::Implementation::GetTree() const
+const qcTriangleTree& qcMeshShape::Implementation::GetTree() const
 {
-    const qcMeshTree* built = tree.load(std::memory_order_acquire);
+    const qcTriangleTree* built = tree.load(std::memory_order_acquire);
     if (built != nullptr)
         return *built;
     std::lock_guard<std::mutex> lock(treeMutex);
     if (!treeOwner)
-        treeOwner.reset(new qcMeshTree(points.data(), indices.data(), uint32_t(indices.size() / 3)));
+        treeOwner.reset(new qcTriangleTree(points.data(), indices.data(), uint32_t(indices.size() / 3)));
     tree.store(treeOwner.get(), std::memory_order_release);
     return *treeOwner;
 }

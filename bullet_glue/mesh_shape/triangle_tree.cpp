@@ -43,7 +43,7 @@ void Sort(Centroid* begin, Centroid* end, size_t unit, size_t width)
 }
 } // namespace
 
-void qcMeshTree::Clear(Block* block)
+void qcTriangleTree::Clear(Block* block)
 {
     constexpr btScalar infinity = std::numeric_limits<btScalar>::infinity();
     for (int axis = 0; axis < 3; axis++)
@@ -54,7 +54,7 @@ void qcMeshTree::Clear(Block* block)
 }
 
 /// Adds a level of boxes around the blocks of the top level.
-void qcMeshTree::AddLevel()
+void qcTriangleTree::AddLevel()
 {
     Level below = m_levels.back();
     Level level = {uint32_t(m_blocks.size()), (below.count + s_width - 1) / s_width};
@@ -74,7 +74,7 @@ void qcMeshTree::AddLevel()
     m_levels.push_back(level);
 }
 
-qcMeshTree::qcMeshTree(const btVector3* vertices, const uint32_t* indices, uint32_t triangleCount)
+qcTriangleTree::qcTriangleTree(const btVector3* vertices, const uint32_t* indices, uint32_t triangleCount)
 {
     if (triangleCount == 0)
         return;

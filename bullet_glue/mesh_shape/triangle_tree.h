@@ -13,11 +13,11 @@
 #include <limits>
 #include <vector>
 
-class qcMeshTree
+class qcTriangleTree
 {
   public:
     /// The arrays are needed during the call only.
-    qcMeshTree(const btVector3* vertices, const uint32_t* indices, uint32_t triangleCount);
+    qcTriangleTree(const btVector3* vertices, const uint32_t* indices, uint32_t triangleCount);
 
     /// Calls visit(triangle) for each triangle whose box overlaps the closed box.
     template <class Visit> void VisitBox(const btVector3& lower, const btVector3& upper, Visit visit) const
@@ -139,7 +139,7 @@ class qcMeshTree
     std::vector<Level> m_levels; ///< from the boxes of triangles up
 };
 
-inline qcMeshTree::Slabs::Slabs(const Sweep& sweep)
+inline qcTriangleTree::Slabs::Slabs(const Sweep& sweep)
 {
     constexpr btScalar epsilon = std::numeric_limits<btScalar>::epsilon();
     btScalar scale = std::numeric_limits<btScalar>::min() / (epsilon * epsilon);
@@ -162,8 +162,8 @@ inline qcMeshTree::Slabs::Slabs(const Sweep& sweep)
     }
 }
 
-inline unsigned qcMeshTree::EnteredBoxes(const Block& block, const Slabs& slabs, btScalar fraction,
-                                         btScalar near[s_width])
+inline unsigned qcTriangleTree::EnteredBoxes(const Block& block, const Slabs& slabs, btScalar fraction,
+                                             btScalar near[s_width])
 {
     unsigned boxes = 0;
     for (size_t i = 0; i < s_width; i += qcLaneCount)
@@ -185,7 +185,7 @@ inline unsigned qcMeshTree::EnteredBoxes(const Block& block, const Slabs& slabs,
     return boxes;
 }
 
-template <class Visit> void qcMeshTree::VisitSweep(const Sweep& sweep, const btScalar& fraction, Visit visit) const
+template <class Visit> void qcTriangleTree::VisitSweep(const Sweep& sweep, const btScalar& fraction, Visit visit) const
 {
     if (m_levels.empty())
         return;
@@ -219,7 +219,7 @@ template <class Visit> void qcMeshTree::VisitSweep(const Sweep& sweep, const btS
 }
 
 template <class Bound, class Visit>
-void qcMeshTree::VisitInOrder(const Sweep& sweep, const btScalar& fraction, Bound bound, Visit visit) const
+void qcTriangleTree::VisitInOrder(const Sweep& sweep, const btScalar& fraction, Bound bound, Visit visit) const
 {
     if (m_levels.empty())
         return;

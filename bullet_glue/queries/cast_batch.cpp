@@ -108,7 +108,7 @@ qcCastHit CastOne(const btCollisionWorld& world, const btConvexShape& shape, con
     return hit;
 }
 
-/// Whether Bullet's ray tests and sweeps only read the object: btGImpactMeshShape counts its readers, not atomically,
+/// True if Bullet's ray tests and sweeps only read the object. btGImpactMeshShape counts its readers, not atomically,
 /// and a soft body's first ray builds its tree of faces.
 bool IsOnlyRead(const btCollisionObject* object)
 {

@@ -104,8 +104,8 @@ struct qcSoftBodyContact::Implementation
     qcSoftTangles m_tangles;                   ///< of the start of the step; after the step, of its end
     qcIntersectionCurves m_curves;             ///< of the tangles that are worked apart
     bool m_tanglesAreOfEnd = false;            ///< m_tangles are those of the end of the previous step
-    qcSeparationPlanes m_planes;
-    qcSoftZones m_zones;
+    qcSeparatingPlanes m_planes;
+    qcRigidZones m_zones;
     bool m_movesZones = false; ///< the step has come to its zones
 };
 

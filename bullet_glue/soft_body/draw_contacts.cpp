@@ -64,7 +64,7 @@ void DrawMesh(const qcSoftCandidates& candidates, const qcSceneMesh& mesh, const
     }
 }
 /// Fills `corners` with the present corners of a plane's triangle. False: its body has left or has changed.
-bool FindCorners(const qcSoftBodyMeshes& meshes, const qcPlaneSide& side, qcLiveObjects& liveObjects, double corners[9])
+bool FindCorners(const qcRigidMeshes& meshes, const qcPlaneSide& side, qcLiveObjects& liveObjects, double corners[9])
 {
     btTransform transform;
     if (side.soft != nullptr ? !liveObjects.Contains(side.soft->body, side.soft->uniqueId)
@@ -85,7 +85,7 @@ bool FindCorners(const qcSoftBodyMeshes& meshes, const qcPlaneSide& side, qcLive
 }
 
 /// Draws a square between the closest points of both triangles, and the normal.
-void DrawPlane(const qcSoftBodyMeshes& meshes, const qcSeparationPlane& plane, qcLiveObjects& liveObjects,
+void DrawPlane(const qcRigidMeshes& meshes, const qcSeparatingPlane& plane, qcLiveObjects& liveObjects,
                btIDebugDraw* drawer)
 {
     double above[9], below[9];
@@ -225,7 +225,7 @@ void qcSoftBodyContact::Implementation::DrawCandidatePairs(qcLiveObjects& liveOb
 
 void qcSoftBodyContact::Implementation::DrawPlanes(qcLiveObjects& liveObjects, btIDebugDraw* drawer)
 {
-    for (const qcSeparationPlane& plane : m_planes.Planes())
+    for (const qcSeparatingPlane& plane : m_planes.Planes())
         DrawPlane(scene.meshes, plane, liveObjects, drawer);
     m_zones.ForEachNode(
         [&](const qcSceneSoftBody& soft, uint32_t node)

@@ -48,10 +48,3 @@ qcTranslation qcFindCommonShift(const std::vector<qcSweptObject*>& objects, cons
     auto add = [&shift](const btVector3& from, const btVector3& to) { return shift.Add(from, to); };
     return others.ForEach(world, timeStep, add) ? shift : qcTranslation();
 }
-
-bool qcIsTranslated(const qcTranslation& translation, const btTransform& from, const btTransform& to)
-{
-    auto isTurned = [&](int row)
-    { return (from.getBasis()[row] - to.getBasis()[row]).length2() > qcPlaceRounding * qcPlaceRounding; };
-    return translation.IsOf(from.getOrigin(), to.getOrigin()) && !isTurned(0) && !isTurned(1) && !isTurned(2);
-}

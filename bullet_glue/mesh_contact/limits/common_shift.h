@@ -5,7 +5,7 @@
 #include "common/object_motion.h"
 #include "mesh_contact/limits/swept_object.h"
 
-/// Where the rigid bodies are that Bullet moves, also those that limits have no need to look at.
+/// Origins of all rigid bodies that Bullet moves, those that limits ignore included.
 class qcBodyOrigins
 {
   public:
@@ -47,7 +47,5 @@ class qcBodyOrigins
 /// objects, and the others. None if there is none.
 qcTranslation qcFindCommonShift(const std::vector<qcSweptObject*>& objects, const qcBodyOrigins& others,
                                 const btCollisionWorld& world, btScalar timeStep);
-/// True if an object that was at `from` has moved by a translation alone.
-bool qcIsTranslated(const qcTranslation& translation, const btTransform& from, const btTransform& to);
 
 #endif

@@ -1,4 +1,4 @@
-// How deep Bullet's contact has let objects sink into each other, and what it holds off.
+// Depths of objects in each other where Bullet has contact points, and the motions that this contact has stopped.
 #include "mesh_contact/limits/contact_depths.h"
 
 #include "common/multibody_joints.h"

@@ -1,4 +1,4 @@
-// How deep Bullet's contact has let objects sink into each other, and what it holds off.
+// Depths of objects in each other where Bullet has contact points, and the motions that this contact has stopped.
 #ifndef QC_GLUE_MESH_CONTACT_LIMITS_CONTACT_DEPTHS_H
 #define QC_GLUE_MESH_CONTACT_LIMITS_CONTACT_DEPTHS_H
 

@@ -22,7 +22,7 @@ struct qcConvexCore
 {
     std::unique_ptr<qcMeshShape> mesh; ///< null: the shape is flat, empty or not finite
     std::shared_ptr<const qcSupportMesh> hull;
-    btScalar halfWidth = 0; ///< least distance of the mesh's faces from its centre
+    btScalar halfWidth = 0; ///< smallest distance of the mesh's faces from its centre
 };
 
 /// Keeps the cores that have been used lately.

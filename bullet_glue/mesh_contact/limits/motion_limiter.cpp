@@ -38,15 +38,6 @@ bool HasCores(const qcSweptPair& pair)
 }
 } // namespace
 
-void qcMotionLimiter::InvalidateShape(const btCollisionShape* shape)
-{
-    m_objects.InvalidateShape(shape);
-    for (qcSweptObject* swept : m_objects.Get())
-        for (qcSweptMesh& mesh : swept->meshes)
-            if (mesh.shape == shape)
-                mesh.revision = 0; // stale: no shape has revision 0
-}
-
 bool qcMotionLimiter::IsExempt(const qcSweptObject& a, const qcSweptObject& b) const
 {
     return m_islands.MoveAsOne(a, b) || m_exempt.count(std::minmax(a.number, b.number)) > 0;
@@ -65,7 +56,7 @@ bool qcMotionLimiter::AreInEachOther(const qcSweptObject& a, const qcSweptObject
                      s_axisError * (a.hull->Radius() + b.hull->Radius());
 }
 
-/// Whether triangles meet at the start.
+/// Classifies two triangles at the start of the step.
 qcMotionLimiter::Meeting qcMotionLimiter::FindMeeting(const qcPair& pair, const qcSweptTriangles& triangles) const
 {
     const qcSweptObject &a = *triangles.a.swept, &b = *triangles.b.swept;

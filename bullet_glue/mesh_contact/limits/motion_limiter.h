@@ -52,7 +52,10 @@ class qcMotionLimiter
         m_objects.KeepTriangles(object);
     }
     /// Call it after the triangles of a shape have changed.
-    void InvalidateShape(const btCollisionShape* shape);
+    void InvalidateShape(const btCollisionShape* shape)
+    {
+        m_objects.InvalidateShape(shape);
+    }
 
   private:
     using Numbers = qcPairNumbers;

@@ -1,5 +1,5 @@
-// Static meshes that nothing has been near and that have not changed. A step only looks at where they are: worlds may
-// have thousands.
+// Static meshes that have not changed, and that nothing has been near. A step only compares their transforms: worlds
+// may have thousands.
 #ifndef QC_GLUE_MESH_CONTACT_LIMITS_RESTING_MESHES_H
 #define QC_GLUE_MESH_CONTACT_LIMITS_RESTING_MESHES_H
 
@@ -12,7 +12,7 @@ class qcRestingMeshes
   public:
     using Objects = std::vector<qcSweptObject*>;
 
-    /// Begins a look at all objects of the world.
+    /// Begins a pass over all objects of the world.
     void BeginObjects();
     /// True if the object rests. `index`: its index in the world. One that has changed wakes.
     bool Rests(const btCollisionObject* object, size_t index, Objects* awake);

@@ -12,7 +12,7 @@
 struct qcSweptFloor
 {
     btVector3 normal; ///< unit, upwards
-    btScalar level;   ///< least product of a vertex with the normal
+    btScalar level;   ///< smallest product of a vertex with the normal
 
     /// Height of the mesh's lowest vertex above the level, where it has this transform.
     btScalar HeightOf(const qcSupportMesh& mesh, const btTransform& place) const;

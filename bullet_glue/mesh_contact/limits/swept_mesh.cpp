@@ -1,7 +1,6 @@
 // A mesh of an object in the scene of motions.
 #include "mesh_contact/limits/swept_mesh.h"
 
-#include "common/moved_vertices.h"
 #include "common/vertex_box.h"
 #include "quickcullide/hash.h"
 
@@ -10,9 +9,10 @@
 #include <algorithm>
 
 qcSweptMesh::qcSweptMesh(const qcSweptSource& source, bool keeps)
-    : part(source.part), shape(source.mesh.shape), local(source.mesh.transform), revision(qcMeshRevision(shape)),
+    : part(source.part), shape(source.mesh.shape), revision(qcMeshRevision(shape)),
       triangles(new qcMeshTriangles(shape, nullptr))
 {
+    local = source.mesh.transform;
     if (part != qcSweptPart::mesh)
         qcFindBox(triangles->points, triangles->pointCount, coreBox);
     if (!keeps || triangles->pointCount == 0)
@@ -56,19 +56,11 @@ bool qcSweptMesh::Encloses(const btVector3& point) const
 
 void qcSweptMesh::DeformFrom(qcSweptMesh* last)
 {
-    const size_t count = triangles->pointCount;
-    if (trianglesHash == 0 || last->trianglesHash != trianglesHash || last->triangles->pointCount != count ||
-        !qcAreSame(last->local, local))
+    if (last->triangles->pointCount != triangles->pointCount)
         return;
-    const btVector3* points = last->kept.empty() ? last->triangles->points : last->kept.data();
-    btVector3 box[2];
-    qcFindBox(points, count, box);
-    if (!qcHaveMoved(points, triangles->points, count, box))
-        return;
-    startPoints.assign(points, points + count);
-    startBox[0] = box[0];
-    startBox[1] = box[1];
-    if (last->isDeforming)
+    const btVector3* from = last->kept.empty() ? last->triangles->points : last->kept.data();
+    qcMeshBody::DeformFrom(*last, from, triangles->points, triangles->pointCount);
+    if (Deforms() && last->isDeforming)
     {
         std::swap(id, last->id);
         isDeforming = true;
@@ -81,8 +73,7 @@ qcStatus qcSweptMesh::AddTo(qcScene* scene, const btTransform& object, uint32_t 
                                   object * local, qc_activityMoving);
     def.owner = owner;
     isDeforming = Deforms();
-    sceneTransform = object * local;
-    return isDeforming ? qcAddDeforming(scene, def, object * local, &id) : qcScene_AddBody(scene, &def, &id);
+    return AddBody(scene, def, object * local, isDeforming);
 }
 
 void qcSweptMesh::RemoveFrom(qcScene* scene)
@@ -95,19 +86,10 @@ void qcSweptMesh::RemoveFrom(qcScene* scene)
 qcStatus qcSweptMesh::Place(qcScene* scene, const btTransform& object, bool atStart)
 {
     const btTransform place = object * local;
-    if (isDeforming)
-    {
-        const btVector3* points = atStart && Deforms() ? startPoints.data() : triangles->points;
-        return qcSetDeforming(scene, id, place, points, triangles->pointCount);
-    }
-    // Large compounds have thousands of cores, most of which stay.
-    if (qcAreSame(place, sceneTransform))
-        return qc_statusOk;
-    const qcTransform transform = qcTransformOf(place);
-    const qcStatus status = qcScene_SetTransform(scene, id, &transform);
-    if (status == qc_statusOk)
-        sceneTransform = place;
-    return status;
+    if (!isDeforming)
+        return MoveBody(scene, place);
+    const btVector3* points = atStart && Deforms() ? startVertices.data() : triangles->points;
+    return SetVertices(scene, place, points, triangles->pointCount);
 }
 
 std::vector<qcSweptSource> qcCollectSwept(const btCollisionShape* shape, qcConvexCores* cores,

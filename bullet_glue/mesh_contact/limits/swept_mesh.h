@@ -2,13 +2,14 @@
 #ifndef QC_GLUE_MESH_CONTACT_LIMITS_SWEPT_MESH_H
 #define QC_GLUE_MESH_CONTACT_LIMITS_SWEPT_MESH_H
 
+#include "common/mesh_body.h"
 #include "common/shape_triangles.h"
 #include "mesh_contact/limits/convex_cores.h"
 #include "mesh_contact/scene/batch_scene.h"
 
 #include <memory>
 
-/// What of an object a mesh is.
+/// Which triangles of an object a mesh has.
 enum class qcSweptPart : uint8_t
 {
     mesh,
@@ -23,40 +24,29 @@ struct qcSweptSource
     qcSweptPart part;
 };
 
-struct qcSweptMesh
+struct qcSweptMesh : qcMeshBody
 {
     qcSweptPart part;
     const btCollisionShape* shape;
-    btTransform local; ///< from the mesh's frame to the object's
     uint64_t revision; ///< of the shape when the mesh was read; see qcMeshRevision
-    qcBodyId id{};     ///< generation 0: it is not in the scene
-    /// In the scene it is a deforming body, as once its triangles have been moved it remains.
+    /// In the scene it is a deforming body, and stays one after its triangles have been moved.
     bool isDeforming = false;
     std::unique_ptr<qcMeshTriangles> triangles;
-    std::vector<btVector3> kept;        ///< the points of a qcMeshShape, which may be gone in the next step
-    uint64_t trianglesHash = 0;         ///< of a qcMeshShape's indices, or of the numbers in Bullet; 0: it can't deform
-    std::vector<btVector3> startPoints; ///< at the start of the step; empty: the mesh does not deform
-    btVector3 startBox[2];              ///< around these: lower and upper corner
-    btTransform sceneTransform;         ///< of the mesh in the scene
-    btVector3 coreBox[2];               ///< of a core, around its points
+    std::vector<btVector3> kept; ///< the points of a qcMeshShape, which may be gone in the next step
+    btVector3 coreBox[2];        ///< of a core, around its points
 
     /// `keeps`: it may deform in a later step.
     qcSweptMesh(const qcSweptSource& source, bool keeps);
 
-    bool Deforms() const
-    {
-        return !startPoints.empty();
-    }
     /// A corner of a triangle in the mesh's frame, at the start or at the end of the step.
     const btVector3& PointOf(uint32_t triangle, size_t corner, bool atStart) const
     {
         const uint32_t index = triangles->indices[3 * size_t(triangle) + corner];
-        return atStart && Deforms() ? startPoints[index] : triangles->points[index];
+        return atStart && Deforms() ? startVertices[index] : triangles->points[index];
     }
     /// True if a point in its frame is inside of a core.
     bool Encloses(const btVector3& point) const;
-    /// Deforms in the step from what another mesh was, if that had the same triangles and they have moved from there;
-    /// see qcHaveMoved. It takes over the other's body if that is a deforming one.
+    /// See qcMeshBody. Takes over the body of `last` if that is a deforming one.
     void DeformFrom(qcSweptMesh* last);
 
     /// `object`: the transform of its object; `owner`: see qcBodyDef.
@@ -65,7 +55,7 @@ struct qcSweptMesh
     qcStatus Place(qcScene* scene, const btTransform& object, bool atStart);
 };
 
-/// What of a shape is swept: its meshes and, unless these are null, the cores and inner cores of its convex shapes.
+/// The meshes of a shape and, unless these are null, the cores and inner cores of its convex shapes.
 std::vector<qcSweptSource> qcCollectSwept(const btCollisionShape* shape, qcConvexCores* cores,
                                           qcConvexCores* innerCores);
 /// Reads these meshes.

@@ -16,8 +16,8 @@ class qcSweptMultiBodies
     qcSweptMultiBody* Find(const btCollisionObject* link) const;
     /// Reads the motions of the step that ends now. `adds`: also of multibodies that are new in the world.
     void ReadMotions(btScalar timeStep, bool adds);
-    /// Forgets those that the world steps no more: they may be gone. Call it before what reads the world again in a
-    /// step.
+    /// Forgets multibodies that the world steps no more: they may be deleted. Call it before the world is read again
+    /// within a step.
     void ForgetGone()
     {
         Collect(false);

@@ -91,7 +91,7 @@ bool AreAllSame(const std::vector<btTransform>& a, const std::vector<btTransform
 }
 } // namespace
 
-/// Null: it has none, or one without a shape, which is nowhere.
+/// Null: it has none, or one without a shape, which has no place.
 const btCollisionObject* qcSweptMultiBody::ColliderOf(int link) const
 {
     const btMultiBodyLinkCollider* collider = link < 0 ? m_body.getBaseCollider() : m_body.getLinkCollider(link);
@@ -118,8 +118,8 @@ qcSweptMultiBody::Places qcSweptMultiBody::PlacesAt(const qcJointPositions& join
     return places;
 }
 
-/// Where a step by the present velocities takes the joints; what is static or kinematic stays. They return to the
-/// target.
+/// The positions of the joints after a step by the present velocities; static and kinematic links stay. The joints
+/// themselves return to the target.
 qcJointPositions qcSweptMultiBody::StepFrom(const qcJointPositions& from, btScalar timeStep)
 {
     from.Set(&m_body);

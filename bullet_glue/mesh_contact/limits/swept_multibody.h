@@ -22,7 +22,7 @@ class qcSweptMultiBody
     /// velocities have moved the joints from there since, up to 2 cm and half of the motion. If not, or if it is new,
     /// the application has put it elsewhere, and it starts where the velocities took it from. O(joints).
     void ReadMotion(btScalar timeStep);
-    /// What the application has moved of it was put where it is: with the whole world.
+    /// The application has moved the whole world: links and base that it has moved start where they are.
     void StartWherePut();
     /// Reads where the joints are as the target, which is reached in full.
     void ReadTarget();
@@ -33,7 +33,7 @@ class qcSweptMultiBody
     {
         return !m_body.isBaseStaticOrKinematic();
     }
-    /// True for a link, or the base, that joints move, of a multibody whose start is known.
+    /// True if joints move this link or base, and the start of the multibody is known.
     bool IsDynamic(const btMultiBodyLinkCollider& link) const;
     /// Where the collider of such a link starts the step.
     const btTransform& StartOf(const btCollisionObject* link) const;

@@ -2,41 +2,6 @@
 #include "mesh_contact/limits/swept_object.h"
 
 #include <LinearMath/btAabbUtil2.h>
-#include <LinearMath/btTransformUtil.h>
-
-btTransform qcSweptObject::At(btScalar part) const
-{
-    if (part >= 1)
-        return target;
-    if (part <= 0)
-        return carried;
-    btVector3 axis;
-    btScalar angle;
-    btTransformUtil::calculateDiffAxisAngle(carried, target, axis, angle);
-    btMatrix3x3 turn(btQuaternion(axis, part * angle));
-    return btTransform(turn * carried.getBasis(), carried.getOrigin().lerp(target.getOrigin(), part));
-}
-
-void qcSweptObject::ReadCores()
-{
-    const bool isConvex = object->getCollisionShape()->isConvex();
-    const bool anyMesh = hasMesh;
-    halfWidth = hasMesh ? btScalar(0) : BT_LARGE_FLOAT;
-    hulls.clear();
-    if (hull != nullptr)
-        hulls.push_back({hull, btTransform::getIdentity()});
-    auto add = [&](const qcConvexCore& core, const btTransform& place)
-    {
-        hasMesh = true;
-        if (!anyMesh)
-            hulls.push_back({core.hull.get(), place});
-        halfWidth = std::min(halfWidth, core.halfWidth);
-        if (isConvex)
-            hull = core.hull.get();
-    };
-    if (cores != nullptr)
-        cores->ForEachCore(object->getCollisionShape(), add);
-}
 
 bool qcSweptObject::EnclosesAtStart(qcSweptPart core, const qcSweptObject& other) const
 {

@@ -2,15 +2,14 @@
 // the pairs whose motions overlap.
 #include "mesh_contact/limits/swept_objects.h"
 
+#include "common/changed_shapes.h"
 #include "common/compound_children.h"
 #include "common/object_motion.h"
 #include "common/rigid_motion.h"
 #include "mesh_contact/limits/swept_pairs.h"
 
-#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 #include <LinearMath/btAabbUtil2.h>
-#include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
 #include <functional>
@@ -28,9 +27,6 @@ constexpr btScalar s_restMeshMotion = btScalar(0.005);
 // One that is deeper in another object than this part may be pressed through a mesh slowly, or pushed by split
 // impulses, which move bodies without a velocity.
 constexpr btScalar s_deepPart = btScalar(0.1);
-// A kinematic convex shape that jumps further than this, in halves of its size, and than this many times of its motion
-// in the step before, is put elsewhere.
-constexpr btScalar s_longJump = 16, s_suddenJump = 4;
 // Steps for which a convex shape that was fast or deep takes part: its starts are exact, and its core stays in the
 // scene.
 constexpr int s_coreSteps = 30;
@@ -48,62 +44,12 @@ void ReadShape(qcSweptObject* swept, bool gimpact)
     qcForEachSimpleShape(swept->object->getCollisionShape(), btTransform::getIdentity(), read);
 }
 
-/// True if Bullet has moved the body in this step, by its present velocities.
-bool IsIntegrated(const btRigidBody& body)
-{
-    return body.isActive() && qcAreSame(body.getInterpolationLinearVelocity(), body.getLinearVelocity()) &&
-           qcAreSame(body.getInterpolationAngularVelocity(), body.getAngularVelocity());
-}
-
-/// True if Bullet's continuous collision has stopped the body in this step.
-bool IsStoppedByBullet(const btCollisionObject& object)
-{
-    return object.getCcdSquareMotionThreshold() > 0 && object.getHitFraction() < 1;
-}
-
-/// True if the application has put an object of convex shapes elsewhere without notice, as platforms are that begin
-/// their way anew.
-bool HasJumped(const qcSweptObject& swept)
-{
-    const btScalar moved = swept.start.getOrigin().distance(swept.target.getOrigin());
-    return swept.cores != nullptr && moved > s_longJump * qcHalfSize(swept.object->getCollisionShape()) &&
-           moved > s_suddenJump * swept.motion.length();
-}
-
 /// True for a mesh whose contact is computed here, if it is not at rest.
 bool IsMovingMesh(const qcSweptObject& swept)
 {
     return swept.isOurs && swept.travel > s_restMeshMotion * gContactBreakingThreshold;
 }
 } // namespace
-
-/// Finds the start of a dynamic object: the end of the previous step if the velocities have moved it from there since.
-/// If not, or if it is new, the application has put it elsewhere, and it starts where the velocities took it from.
-void qcSweptObjects::FindStart(btScalar timeStep, qcSweptObject* swept)
-{
-    const btVector3 &linear = swept->body->getLinearVelocity(), &angular = swept->body->getAngularVelocity();
-    if (swept->isNew)
-    {
-        if (IsIntegrated(*swept->body))
-            btTransformUtil::integrateTransform(swept->target, linear, angular, -timeStep, swept->start);
-        return;
-    }
-    btTransform expected;
-    btTransformUtil::integrateTransform(swept->start, linear, angular, timeStep, expected);
-    const btScalar radius = swept->radius;
-    // Split impulses move bodies by more than their velocities do, and turn them most. Where a convex shape has contact
-    // with others only, its start is not marked: it counts as put elsewhere only if its origin is.
-    const bool isExplained =
-        swept->cores != nullptr
-            ? expected.getOrigin().distance(swept->target.getOrigin()) <= gContactBreakingThreshold + radius / 2
-            : qcDisplacementBound(expected, swept->target, radius) <= gContactBreakingThreshold;
-    if (isExplained)
-        return;
-    if (swept->body->isActive())
-        btTransformUtil::integrateTransform(swept->target, linear, angular, -timeStep, swept->start);
-    else
-        swept->start = swept->target;
-}
 
 /// The entry of an object, which is added if it is new: it has not moved yet.
 qcSweptObject* qcSweptObjects::Add(const btCollisionObject* object)
@@ -127,8 +73,7 @@ qcSweptObject* qcSweptObjects::Add(const btCollisionObject* object)
 
 void qcSweptObjects::MarkStarts()
 {
-    m_isMarked = true;
-    m_continuousStarts.clear();
+    m_starts.BeginMarks();
     m_origins.MarkStarts(*m_settings.world);
     btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
     for (int i = 0; i < objects.size(); i++)
@@ -145,7 +90,7 @@ void qcSweptObjects::MarkStarts()
             swept->before = body->getLinearVelocity();
         }
         else if (objects[i]->getCcdSquareMotionThreshold() > 0)
-            m_continuousStarts.emplace(qcObjectKey(objects[i]), objects[i]->getWorldTransform());
+            m_starts.MarkContinuous(*objects[i]);
     }
 }
 
@@ -156,6 +101,18 @@ void qcSweptObjects::KeepTriangles(const btCollisionObject* object)
         swept->meshes = qcReadSweptMeshes(qcCollectSwept(object->getCollisionShape(), nullptr, nullptr), true);
 }
 
+void qcSweptObjects::InvalidateShape(const btCollisionShape* shape)
+{
+    m_resting.WakeAll(&m_sorted);
+    for (qcSweptObject* swept : m_sorted)
+        for (qcSweptMesh& mesh : swept->meshes)
+            if (mesh.shape == shape)
+                mesh.revision = qcStaleRevision;
+    // Where no motion is read, none is certified.
+    if (m_step > 0)
+        m_changedShapes.Add(shape);
+}
+
 /// Notices that the application has moved the triangles of an object that Bullet does not move: its meshes then deform
 /// in this step, if the previous one had read them.
 void qcSweptObjects::ReadTriangles(qcSweptObject* swept, qcScene* scene) const
@@ -163,16 +120,17 @@ void qcSweptObjects::ReadTriangles(qcSweptObject* swept, qcScene* scene) const
     if (swept->body != nullptr || !swept->hasMesh)
         return;
     uint64_t revision = 0;
+    bool hasChanged = false;
     auto add = [&](const btCollisionShape* simple, const btTransform&)
     {
-        auto changes = m_changes.find(simple);
-        if (qcIsMesh(simple))
-            revision = qcMixHash(qcMixHash(revision, qcMeshRevision(simple)),
-                                 changes != m_changes.end() ? changes->second : 0);
+        if (!qcIsMesh(simple))
+            return;
+        revision = qcMixHash(revision, qcMeshRevision(simple));
+        hasChanged = hasChanged || m_changedShapes.Has(simple);
     };
     qcForEachSimpleShape(swept->object->getCollisionShape(), btTransform::getIdentity(), add);
     std::swap(swept->revision, revision);
-    if (revision == 0 || revision == swept->revision)
+    if (revision == 0 || (revision == swept->revision && !hasChanged))
         return;
     std::vector<qcSweptMesh> last =
         qcReadSweptMeshes(qcCollectSwept(swept->object->getCollisionShape(), nullptr, nullptr), true);
@@ -188,7 +146,7 @@ void qcSweptObjects::EndDeformations() const
 {
     for (qcSweptObject* swept : m_sorted)
         for (qcSweptMesh& mesh : swept->meshes)
-            mesh.startPoints.clear();
+            mesh.startVertices.clear();
 }
 
 void qcSweptObjects::RemoveGone(qcScene* scene)
@@ -286,6 +244,7 @@ bool qcSweptObjects::MissesCores()
 qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesCores, qcScene* scene)
 {
     qcSweptObject& swept = *Add(object);
+    const bool isRead = swept.step == m_step;
     swept.step = m_step;
     swept.isHeld = swept.isPaired = false;
     swept.body = qcDynamicBody(object);
@@ -301,19 +260,20 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
             swept.multibody = nullptr;
     }
     ReadShape(&swept, m_settings.gimpact);
-    ReadTriangles(&swept, scene);
+    if (!isRead)
+        ReadTriangles(&swept, scene);
     swept.hull = swept.Deforms() ? nullptr : m_axes.FindMesh(object);
     swept.cores = takesCores ? &m_cores : nullptr;
     if (takesCores && swept.isNew)
         swept.wasActive = object->isActive();
-    swept.ReadCores();
+    swept.ReadCores(object->getCollisionShape());
     swept.target = swept.end = object->getWorldTransform();
     swept.floors.clear();
     if (swept.body != nullptr && swept.hull != nullptr)
         m_planes.FindFloors(m_settings.world, object, *swept.hull, swept.target, &swept.floors);
     // How far new meshes move decides which convex shapes take part.
     if (m_findsStarts && swept.isNew && swept.body != nullptr && swept.cores == nullptr)
-        FindStart(m_timeStep, &swept);
+        qcSweptStarts::FindByVelocities(m_timeStep, &swept);
     swept.carried = swept.start;
     swept.isLookedUp = false;
     swept.pushes = 0;
@@ -394,6 +354,7 @@ bool qcSweptObjects::ReadObjects(qcScene* scene)
         }
     if (present != m_sorted.size())
         RemoveGone(scene);
+    m_changedShapes.Clear();
     return anyMoved;
 }
 
@@ -413,7 +374,7 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
         swept->start = swept->next;
         swept->lost = 0;
         swept->isLimited = false;
-        if (!m_isMarked)
+        if (!m_starts.AreMarked())
             swept->before.reset();
     }
     EndDeformations();
@@ -425,27 +386,11 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
     for (int i = 0; i < objects.size() && !anyMesh; i++)
         anyMesh = qcMayHoldMeshes(objects[i]->getCollisionShape());
     m_multibodies.ReadMotions(timeStep, anyMesh);
-    m_findsStarts = !m_isMarked;
+    m_findsStarts = !m_starts.AreMarked();
     ReadObjects(scene);
     m_findsStarts = false;
     for (qcSweptObject* swept : m_sorted)
-    {
-        // One that the application has given finite values within the step starts there.
-        if (!swept->wasFinite)
-            swept->start = swept->target;
-        // A convex shape was not there to be marked before it was fast. If Bullet's continuous collision has stopped
-        // it, its velocity does not tell the start.
-        bool isMarked = m_isMarked;
-        if (swept->isNew && swept->cores != nullptr)
-        {
-            isMarked = IsStoppedByBullet(*swept->object);
-            const auto start = m_continuousStarts.find(qcObjectKey(swept->object));
-            if (isMarked && start != m_continuousStarts.end())
-                swept->start = start->second;
-        }
-        if (!isMarked && swept->body != nullptr && (swept->isNew || !qcAreSame(swept->start, swept->target)))
-            FindStart(timeStep, swept);
-    }
+        m_starts.Find(timeStep, swept);
     const qcTranslation shift = qcFindCommonShift(m_sorted, m_origins, *m_settings.world, timeStep);
     if (!shift.by.isZero())
         StartWherePut();
@@ -453,12 +398,7 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
     m_coreCount = 0;
     for (qcSweptObject* swept : m_sorted)
     {
-        btVector3 motion = swept->target.getOrigin() - swept->start.getOrigin();
-        if (!swept->IsFree() && !qcAreSame(swept->start, swept->target) &&
-            (qcIsTranslated(shift, swept->start, swept->target) || HasJumped(*swept) ||
-             !qcIsMotion(swept->object, swept->start, swept->target, swept->motion, timeStep)))
-            swept->start = swept->target;
-        swept->motion = motion;
+        qcSweptStarts::StartWherePut(shift, timeStep, swept);
         swept->carried = swept->start;
         swept->FindTravel();
         const bool isTaken = swept->cores != nullptr && MayPass(swept->object, swept->halfWidth);
@@ -466,8 +406,7 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
         m_coreCount += swept->cores != nullptr;
         anyMoved = anyMoved || !qcAreSame(swept->start, swept->target) || swept->Deforms();
     }
-    m_isMarked = false;
-    m_continuousStarts.clear();
+    m_starts.EndStep();
     return anyMoved;
 }
 

@@ -3,6 +3,7 @@
 #ifndef QC_GLUE_MESH_CONTACT_LIMITS_SWEPT_OBJECTS_H
 #define QC_GLUE_MESH_CONTACT_LIMITS_SWEPT_OBJECTS_H
 
+#include "common/changed_shapes.h"
 #include "common/rigid_limits.h"
 #include "mesh_contact/limits/common_shift.h"
 #include "mesh_contact/limits/contact_depths.h"
@@ -10,6 +11,7 @@
 #include "mesh_contact/limits/resting_meshes.h"
 #include "mesh_contact/limits/swept_multibodies.h"
 #include "mesh_contact/limits/swept_object.h"
+#include "mesh_contact/limits/swept_starts.h"
 #include "mesh_contact/planes/axis_cache.h"
 
 #include <memory>
@@ -25,11 +27,7 @@ class qcSweptObjects
     /// Keeps the triangles of an object that Bullet does not move, since the application may move them.
     void KeepTriangles(const btCollisionObject* object);
     /// Call it after the triangles of a shape have changed.
-    void InvalidateShape(const btCollisionShape* shape)
-    {
-        m_changes[shape]++;
-        m_resting.WakeAll(&m_sorted);
-    }
+    void InvalidateShape(const btCollisionShape* shape);
     /// Dynamic objects start the step here. Without this call within the step, starts follow from velocities.
     void MarkStarts();
     /// Finds the starts of the step that ends now, then does what ReadTargets does.
@@ -75,7 +73,6 @@ class qcSweptObjects
   private:
     void StartWherePut();
     qcSweptObject* Add(const btCollisionObject* object);
-    static void FindStart(btScalar timeStep, qcSweptObject* swept);
     void ReadTriangles(qcSweptObject* swept, qcScene* scene) const;
     void EndDeformations() const;
     void RemoveGone(qcScene* scene);
@@ -101,14 +98,12 @@ class qcSweptObjects
     std::unordered_map<qcObjectKey, std::unique_ptr<qcSweptObject>, qcObjectKeyHash> m_objects;
     std::vector<qcSweptObject*> m_sorted;
     qcRestingMeshes m_resting; ///< what m_sorted lacks of the objects
-    /// Of bodies with Bullet's continuous collision that are not among the objects, where starts are marked.
-    std::unordered_map<qcObjectKey, btTransform, qcObjectKeyHash> m_continuousStarts;
+    qcSweptStarts m_starts;
     qcSweptMultiBodies m_multibodies;
-    std::unordered_map<const btCollisionShape*, uint64_t> m_changes; ///< calls of InvalidateShape
+    qcChangedShapes m_changedShapes; ///< since objects were read
     qcStaticPlanes m_planes;
     qcIdCounter m_numbers;
     uint64_t m_step = 0;
-    bool m_isMarked = false;    ///< the starts of the present step
     bool m_findsStarts = false; ///< while motions are read: starts are not marked
 };
 

@@ -16,7 +16,7 @@ struct Corners
         triangles.b.CornersAt(atB, atStart, b);
     }
 
-    /// The least translation that parts them; a depth of 0 if they are apart.
+    /// The smallest translation that separates them; a depth of 0 if they are apart.
     qcProximity Penetration() const
     {
         qcProximity proximity = {};
@@ -24,7 +24,7 @@ struct Corners
         return proximity;
     }
 
-    /// The least product of A's corners with a direction, less the largest of B's.
+    /// The smallest product of A's corners with a direction, minus the largest of B's.
     btScalar GapAlong(const btVector3& direction) const
     {
         return btScalar(ProductsWith(a, direction).first - ProductsWith(b, direction).second);
@@ -39,7 +39,7 @@ struct Corners
     }
 
   private:
-    /// The least and the largest product of a triangle's corners with a direction.
+    /// The smallest and the largest product of a triangle's corners with a direction.
     static std::pair<double, double> ProductsWith(const double corners[9], const btVector3& direction)
     {
         auto product = [&](const double* corner) {
@@ -183,7 +183,7 @@ void qcSweptTriangles::AddPlane(qcMotionPlanes* planes) const
             nearest.normal[axis] = double(facing[axis]);
     else if (meet)
     {
-        // Triangles that touch have many directions between them: the one of the least push is taken.
+        // Triangles that touch are separated along many directions: the one with the smallest push is taken.
         const qcProximity atEnd = AtEnd(*this).Penetration();
         if (atEnd.depth > 0 && AtStart(*this).GapAlong(qcVectorOf(atEnd.normal)) >= -2 * maxDepth)
             nearest = atEnd;

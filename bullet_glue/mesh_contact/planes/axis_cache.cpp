@@ -1,4 +1,4 @@
-// What is kept from step to step to separate pairs of small meshes.
+// Caches of small meshes from step to step.
 #include "mesh_contact/planes/axis_cache.h"
 
 #include <algorithm>

@@ -1,5 +1,4 @@
-// What is kept from step to step to separate pairs of small meshes: the meshes as hulls, and the last axis of each
-// pair.
+// Caches of small meshes from step to step: the meshes as hulls, and the last separating axis of each pair.
 #ifndef QC_GLUE_MESH_CONTACT_PLANES_AXIS_CACHE_H
 #define QC_GLUE_MESH_CONTACT_PLANES_AXIS_CACHE_H
 

@@ -49,7 +49,7 @@ class qcPlaneContact
         }
     };
 
-    /// How far a mesh extends along the plane.
+    /// Box of a mesh within the plane.
     struct Extent
     {
         btScalar lower[2], upper[2]; ///< along u and v
@@ -61,7 +61,7 @@ class qcPlaneContact
         template <size_t count> bool Overlaps(const qcFlat (&corners)[count]) const;
     };
 
-    /// What of a mesh is next to the plane, where the other mesh is.
+    /// Vertices, edges and triangles of a mesh that are next to the plane, in the box of the other mesh.
     struct Side
     {
         Extent other;             ///< of the other mesh

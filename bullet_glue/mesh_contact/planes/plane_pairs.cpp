@@ -60,6 +60,26 @@ bool HasKnownMotion(const btCollisionObject* object)
 {
     return qcIsStatic(object) || btRigidBody::upcast(object) != nullptr;
 }
+
+/// The first time after `from` at which a pair that approaches has closed in by a gap; BT_LARGE_FLOAT: there is none.
+/// `times`: the ends of the parts of the step in which it approaches evenly. closedAt(closed, from, to): by how much it
+/// has closed in at the end of a part, `closed` at its start.
+template <typename Closed>
+btScalar FirstTimeOf(btScalar gap, btScalar from, const std::array<btScalar, 3>& times, const Closed& closedAt)
+{
+    btScalar closed = 0;
+    for (btScalar to : times)
+    {
+        if (to <= from)
+            continue;
+        const btScalar next = closedAt(closed, from, to);
+        if (next >= gap && next > closed)
+            return closed >= gap ? from : from + (to - from) * (gap - closed) / (next - closed);
+        from = to;
+        closed = next;
+    }
+    return BT_LARGE_FLOAT;
+}
 } // namespace
 
 /// Reads an object of one mesh that is in the scene.
@@ -275,18 +295,9 @@ btScalar qcPlanePairs::ClosingAfter(const Link& link, const Meeting& since) cons
 /// step.
 btScalar qcPlanePairs::TimeOfClosing(const Link& link, const Meeting& since, btScalar gap) const
 {
-    btScalar from = since.time, closed = 0;
-    for (btScalar to : TimesOf(link))
-    {
-        if (to <= from)
-            continue;
-        const btScalar next = closed + ClosingSpeed(link, since, from) * (to - from);
-        if (next >= gap)
-            return from + (to - from) * (gap - closed) / (next - closed);
-        from = to;
-        closed = next;
-    }
-    return BT_LARGE_FLOAT;
+    auto closedAt = [&](btScalar closed, btScalar from, btScalar to)
+    { return closed + ClosingSpeed(link, since, from) * (to - from); };
+    return FirstTimeOf(gap, since.time, TimesOf(link), closedAt);
 }
 
 /// How much a pair has closed in along its axis at a time.
@@ -301,16 +312,7 @@ btScalar qcPlanePairs::ClosingUntil(const Link& link, btScalar time) const
 btScalar qcPlanePairs::TouchTime(const Link& link) const
 {
     const btScalar gap = std::max(link.separation.gap - link.margins, btScalar(0));
-    btScalar from = 0, closed = 0;
-    for (btScalar to : TimesOf(link))
-    {
-        const btScalar next = ClosingUntil(link, to);
-        if (next > gap && next > closed)
-            return closed >= gap ? from : from + (to - from) * (gap - closed) / (next - closed);
-        from = to;
-        closed = next;
-    }
-    return BT_LARGE_FLOAT;
+    return FirstTimeOf(gap, 0, TimesOf(link), [&](btScalar, btScalar, btScalar to) { return ClosingUntil(link, to); });
 }
 
 /// Finds where two hulls come as near as contact at rest, from the start of the step, which `meeting` has, by

@@ -74,7 +74,7 @@ class qcPlanePairs
         size_t pair;    ///< index of the step's pair
     };
 
-    /// What has been computed of a pair of the step.
+    /// Result for a pair of the step.
     struct Result
     {
         Contact known;
@@ -82,7 +82,7 @@ class qcPlanePairs
         Pair pair;       ///< unless nothing is known
     };
 
-    /// What belongs to a worker of a loop over pairs.
+    /// Results and scratch of one worker of a loop over pairs.
     struct Worker
     {
         qcPlaneContact contact;

@@ -7,11 +7,11 @@
 
 #include "common/support_mesh.h"
 
-/// How two meshes lie along a direction.
+/// Two meshes, projected onto a direction.
 struct qcSeparation
 {
     btVector3 axis{0, 0, 0};        ///< of length 1, from A to B
-    btScalar gap = -BT_LARGE_FLOAT; ///< the least product of B's vertices with the axis, less the largest of A's
+    btScalar gap = -BT_LARGE_FLOAT; ///< smallest product of B's vertices with the axis, minus the largest of A's
     /// The closest points of the hulls are combinations of these vertices, up to three on each side. 0: not known. If
     /// the axis is the normal of a face, they may be a little nearer to each other along another direction.
     int cornerCount = 0;

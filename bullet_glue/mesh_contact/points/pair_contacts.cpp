@@ -1,4 +1,4 @@
-// What is known of the pairs of objects in a world.
+// Results of the last query of each pair of objects in a world.
 #include "mesh_contact/points/pair_contacts.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// What is known of the pairs of objects in a world: contact points, and how far their meshes are apart, as of the last
-// query of each pair. It holds until the two move against each other. Proof: plugin/docs/proofs/pair_reuse.md.
+// Results of the last query of each pair of objects in a world: contact points, and the distance of their meshes. A
+// result holds until the two move against each other. Proof: plugin/docs/proofs/pair_reuse.md.
 #ifndef QC_GLUE_MESH_CONTACT_POINTS_PAIR_CONTACTS_H
 #define QC_GLUE_MESH_CONTACT_POINTS_PAIR_CONTACTS_H
 

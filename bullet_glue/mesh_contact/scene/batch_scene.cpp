@@ -1,6 +1,7 @@
 // The meshes of a world as bodies of one scene. Why contact is searched this far: plugin/docs/mesh_contact.md.
 #include "mesh_contact/scene/batch_scene.h"
 
+#include "common/changed_shapes.h"
 #include "common/compound_children.h"
 #include "common/object_motion.h"
 
@@ -115,7 +116,7 @@ void qcBatchScene::InvalidateShape(const btCollisionShape* shape)
     for (auto& [key, object] : m_objects)
         for (qcBatchMesh& mesh : object.meshes)
             if (mesh.shape == shape)
-                mesh.revision = 0; // stale: no shape has revision 0
+                mesh.revision = qcStaleRevision;
 }
 
 /// Sets what depends on the shape only.

@@ -1,4 +1,4 @@
-// How far two boxes in general position are apart, at least.
+// Lower bound of the distance of two boxes in general position.
 #include "mesh_contact/scene/box_gap.h"
 
 #include <algorithm>
@@ -25,7 +25,7 @@ btScalar qcBoxGap(const qcPlacedBox& a, const qcPlacedBox& b)
     auto gapAlong = [&](const btVector3& unit)
     { return btFabs(unit.dot(between)) - ExtentAlong(halfA, basisA, unit) - ExtentAlong(halfB, basisB, unit); };
     btVector3 inA = between * basisA, inB = between * basisB;
-    // Of B's axes, in A's frame.
+    // B's axes in A's frame.
     btMatrix3x3 turn = basisA.transposeTimes(basisB), part = turn.absolute();
     btVector3 gapsA = inA.absolute() - halfA - part * halfB, gapsB = inB.absolute() - halfB - halfA * part;
     btScalar gap = std::max(gapsA[gapsA.maxAxis()], gapsB[gapsB.maxAxis()]);

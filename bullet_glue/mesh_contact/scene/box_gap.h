@@ -1,4 +1,4 @@
-// How far two boxes in general position are apart, at least.
+// Lower bound of the distance of two boxes in general position.
 // Gottschalk, Lin, Manocha: OBBTree: A hierarchical structure for rapid interference detection, SIGGRAPH 1996.
 #ifndef QC_GLUE_MESH_CONTACT_SCENE_BOX_GAP_H
 #define QC_GLUE_MESH_CONTACT_SCENE_BOX_GAP_H

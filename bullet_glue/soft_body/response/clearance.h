@@ -34,7 +34,7 @@ class qcSoftClearance
   private:
     using SlotPair = std::pair<uint32_t, uint32_t>; ///< the smaller one first
 
-    /// Of all nodes from the recorded positions: the mean displacement, and the largest distance from it.
+    /// Mean displacement of all nodes from the recorded positions, and the largest deviation from it.
     struct Motion
     {
         btVector3 mean{0, 0, 0};

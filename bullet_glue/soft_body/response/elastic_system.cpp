@@ -35,7 +35,7 @@ btScalar MeanOf(const btMatrix3x3& block)
     return (block[0][0] + block[1][1] + block[2][2]) / 3;
 }
 
-/// What resists a body's translation along the axes.
+/// Resistance of a body to translation along the axes.
 btMatrix3x3 MassOf(const btRigidBody& body)
 {
     btVector3 motion = body.getLinearFactor();
@@ -44,7 +44,7 @@ btMatrix3x3 MassOf(const btRigidBody& body)
     return OnDiagonal(btVector3(1, 1, 1) / motion);
 }
 
-/// What resists a body's rotation about the axes.
+/// Resistance of a body to rotation about the axes.
 btMatrix3x3 InertiaOf(const btRigidBody& body)
 {
     const btMatrix3x3& inverse = body.getInvInertiaTensorWorld();
@@ -310,7 +310,7 @@ void qcElasticSystem::AddForce(const qcElasticSpring& spring, const btVector3& f
         AddForceAt(spring.point, -force, to);
 }
 
-/// What resists a displacement of the nodes: masses and elasticity.
+/// Multiplies by the resistance of the nodes to displacement: masses and elasticity.
 void qcElasticSystem::MultiplyNodes(const Vector& x, Vector* result) const
 {
     Vector& b = *result;
@@ -449,7 +449,7 @@ void qcElasticSystem::SolveClosed(int round)
     double square = Dot(m_residual, m_preconditioned);
     for (int k = 0; k < m_elasticity->MaxIterations(round) && square > 0; k++)
     {
-        // What the springs push is the small rest of what they would push at first.
+        // Converged: the residual is small against the forces of the springs.
         if (k % s_checkInterval == 0 && square < double(s_tolerance) * double(s_tolerance) * SquareOfForces())
             return;
         Multiply(m_direction, &m_image);

@@ -123,7 +123,7 @@ class qcElasticSystem
     qcElasticLinks m_links;
     std::vector<int> m_groups; ///< by soft body, then by rigid body; -1: something fixed takes its momentum
     mutable std::vector<Momentum> m_momenta; ///< scratch of RemoveMomentum, by group
-    /// What resists the displacement of each node alone, its mass included.
+    /// Resistance of each node alone to its displacement: its mass, and elasticity.
     std::vector<btMatrix3x3> m_inertia;
     std::vector<btMatrix3x3> m_inverses;     ///< of the diagonal blocks
     std::vector<btMatrix3x3> m_bodyInverses; ///< by soft body, of what resists its translation

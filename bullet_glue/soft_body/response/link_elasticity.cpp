@@ -17,7 +17,7 @@ constexpr btScalar s_strain = btScalar(0.1);
 // The cosine between the weight of a body that lies on a sheet and the normal of a contact, at least.
 constexpr btScalar s_downwards = btScalar(0.3);
 
-/// What all sweeps leave of a stretch of one link, as a share.
+/// The share of the stretch of one link that is left after all sweeps.
 btScalar LeftOfStretch(const btSoftBody& body, const btSoftBody::Material& material)
 {
     return btPow(btClamped(1 - material.m_kLST, btScalar(0), btScalar(1)), btScalar(body.m_cfg.piterations));

@@ -1,4 +1,4 @@
-// What resists displacements of the nodes of soft bodies over a step, beside their masses.
+// The elasticity that resists displacements of the nodes of soft bodies over a step; masses resist them besides.
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_NODE_ELASTICITY_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_NODE_ELASTICITY_H
 

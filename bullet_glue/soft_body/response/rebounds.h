@@ -1,6 +1,6 @@
-// How fast bodies come back from soft bodies whose solver moves nodes by positions.
+// Limits the speed at which rigid bodies rebound from soft bodies whose solver moves nodes by positions.
 //
-// Bullet's sweeps over links take back in one step what a link is stretched, however heavy what stretched it is. A
+// Bullet's sweeps over links take back the stretch of a link in one step, however heavy the body that stretched it. A
 // body that followed would be thrown: from a sheet of 2 kg in steps of a millisecond a ball of 20 kg rose 300 m.
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_REBOUNDS_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_REBOUNDS_H

@@ -83,12 +83,12 @@ class RigidMotion
 };
 } // namespace
 
-void qcSoftZones::Clear()
+void qcRigidZones::Clear()
 {
     m_members.clear();
 }
 
-void qcSoftZones::CollectMembers()
+void qcRigidZones::CollectMembers()
 {
     m_firstNode.clear();
     for (qcSceneSoftBody& soft : m_scene.Bodies())
@@ -109,7 +109,7 @@ void qcSoftZones::CollectMembers()
 }
 
 /// Appends the objects that are new in the scene.
-void qcSoftZones::CollectObjects()
+void qcRigidZones::CollectObjects()
 {
     const std::vector<std::unique_ptr<qcSceneRigid>>& rigids = m_scene.meshes.Rigids();
     for (size_t i = m_members.size() - m_firstObject; i < rigids.size(); i++)
@@ -122,7 +122,7 @@ void qcSoftZones::CollectObjects()
     m_zones.resize(m_members.size(), s_none);
 }
 
-void qcSoftZones::Renew()
+void qcRigidZones::Renew()
 {
     for (Member& member : m_members)
         if (member.rigid != nullptr && !member.rigid->IsFree())
@@ -131,7 +131,7 @@ void qcSoftZones::Renew()
     m_moved.assign(m_members.size(), Motion::Rigid);
 }
 
-void qcSoftZones::AppendMembersOf(uint32_t slot, uint32_t triangle, std::vector<uint32_t>* members) const
+void qcRigidZones::AppendMembersOf(uint32_t slot, uint32_t triangle, std::vector<uint32_t>* members) const
 {
     const qcSceneSoftBody* soft = m_scene.Find(slot);
     if (soft != nullptr)
@@ -151,7 +151,7 @@ void qcSoftZones::AppendMembersOf(uint32_t slot, uint32_t triangle, std::vector<
 }
 
 /// Has the zone of a member go with a triangle of a mesh that deforms.
-void qcSoftZones::Carry(uint32_t slot, uint32_t triangle, uint32_t member)
+void qcRigidZones::Carry(uint32_t slot, uint32_t triangle, uint32_t member)
 {
     qcSceneRigid* rigid = nullptr;
     const qcSceneMesh* mesh = m_scene.Find(slot) == nullptr ? m_scene.meshes.Find(slot, &rigid) : nullptr;
@@ -166,7 +166,7 @@ void qcSoftZones::Carry(uint32_t slot, uint32_t triangle, uint32_t member)
     m_carriers.push_back({member, motion});
 }
 
-bool qcSoftZones::Add(const qcPair& pair)
+bool qcRigidZones::Add(const qcPair& pair)
 {
     if (m_members.empty())
         CollectMembers();
@@ -198,7 +198,7 @@ bool qcSoftZones::Add(const qcPair& pair)
 }
 
 /// The motion of a zone from the start of the step. A fixed member determines it, and if there is none, a guided one.
-btTransform qcSoftZones::FindMotion(const std::vector<uint32_t>& zone, bool rotates) const
+btTransform qcRigidZones::FindMotion(const std::vector<uint32_t>& zone, bool rotates) const
 {
     RigidMotion mean;
     const Member* guided = nullptr;
@@ -234,7 +234,7 @@ btTransform qcSoftZones::FindMotion(const std::vector<uint32_t>& zone, bool rota
     return mean.Find(rotates);
 }
 
-void qcSoftZones::MoveZone(const std::vector<uint32_t>& zone)
+void qcRigidZones::MoveZone(const std::vector<uint32_t>& zone)
 {
     uint32_t root = m_sets.Find(zone[0]);
     State& state = m_states[root];
@@ -268,7 +268,7 @@ void qcSoftZones::MoveZone(const std::vector<uint32_t>& zone)
     }
 }
 
-void qcSoftZones::Move()
+void qcRigidZones::Move()
 {
     std::map<uint32_t, std::vector<uint32_t>> zones;
     for (uint32_t i = 0; i < m_members.size(); i++)
@@ -287,7 +287,7 @@ void qcSoftZones::Move()
 
 /// Upper bound of the distance of the triangle's corners at the end from where the motion takes them, with the rounding
 /// of both and of itself.
-btScalar qcSoftZones::DeviationOf(uint32_t slot, uint32_t triangle, const btTransform& motion) const
+btScalar qcRigidZones::DeviationOf(uint32_t slot, uint32_t triangle, const btTransform& motion) const
 {
     btScalar deviation = 0, size = motion.getOrigin().length();
     if (const qcSceneSoftBody* soft = m_scene.Find(slot))
@@ -318,7 +318,7 @@ btScalar qcSoftZones::DeviationOf(uint32_t slot, uint32_t triangle, const btTran
 }
 
 /// The zone in which all of both triangles was in the last Move, or s_none.
-uint32_t qcSoftZones::ZoneOf(const qcPair& pair) const
+uint32_t qcRigidZones::ZoneOf(const qcPair& pair) const
 {
     if (m_members.empty())
         return s_none;
@@ -332,7 +332,7 @@ uint32_t qcSoftZones::ZoneOf(const qcPair& pair) const
     return std::all_of(members.begin(), members.end(), isInIt) ? zone : s_none;
 }
 
-bool qcSoftZones::KeepsApart(const qcPair& pair, btScalar distance) const
+bool qcRigidZones::KeepsApart(const qcPair& pair, btScalar distance) const
 {
     const uint32_t zone = ZoneOf(pair);
     if (zone == s_none)
@@ -347,7 +347,7 @@ bool qcSoftZones::KeepsApart(const qcPair& pair, btScalar distance) const
            DeviationOf(pair.bodyA, pair.triangleA, motion) + DeviationOf(pair.bodyB, pair.triangleB, motion);
 }
 
-int qcSoftZones::NodeCount() const
+int qcRigidZones::NodeCount() const
 {
     int count = 0;
     for (size_t i = 0; i < m_members.size(); i++)

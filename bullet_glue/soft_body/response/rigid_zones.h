@@ -9,10 +9,10 @@
 #include "common/union_find.h"
 #include "soft_body/scene/soft_scene.h"
 
-class qcSoftZones
+class qcRigidZones
 {
   public:
-    explicit qcSoftZones(qcSoftBodyScene& scene) : m_scene(scene)
+    explicit qcRigidZones(qcSoftBodyScene& scene) : m_scene(scene)
     {
     }
 

@@ -29,7 +29,7 @@ class qcRopeLinks
         btScalar divisor; ///< sum of the inverse masses, divided by the link's stiffness
     };
 
-    /// What holds a node at a place of a body.
+    /// A constraint that holds a node at a place of a rigid body.
     struct Anchor
     {
         btVector3* position;

@@ -213,7 +213,7 @@ struct Corners
 
 /// The displacement of the upper side by friction, for each unit of distance raised: at most the coefficient, and not
 /// more than stops the sliding. The lower side has the opposite one, so impulses stay equal and opposite.
-btVector3 FindFriction(const qcSeparationPlane& plane, const Corners& above, btScalar floorAbove, const Corners& below,
+btVector3 FindFriction(const qcSeparatingPlane& plane, const Corners& above, btScalar floorAbove, const Corners& below,
                        btScalar floorBelow)
 {
     btScalar raisedAbove, raisedBelow;
@@ -251,7 +251,7 @@ btScalar FindShare(const Corners& above, const Corners& below, btScalar missing)
 
 /// Pushes both sides out of the missing gap; `movesAll`: false: guided objects alone. False: it was not missing, or no
 /// side can move.
-bool SolvePlane(const qcSeparationPlane& plane, bool movesAll)
+bool SolvePlane(const qcSeparatingPlane& plane, bool movesAll)
 {
     btVector3 origin = plane.above.soft != nullptr   ? plane.above.soft->positions[plane.above.vertices[0]]
                        : plane.below.soft != nullptr ? plane.below.soft->positions[plane.below.vertices[0]]
@@ -413,18 +413,18 @@ qcTouchingMotion qcClassifyTouching(qcSoftBodyScene& scene, const qcUnprovenPair
     return isProven ? qcTouchingMotion::Proven : qcTouchingMotion::Unproven;
 }
 
-void qcSeparationPlanes::Clear()
+void qcSeparatingPlanes::Clear()
 {
     m_planes.clear();
     m_pairs.clear();
 }
 
-void qcSeparationPlanes::Add(qcSoftBodyScene& scene, const qcUnprovenPair& unproven, btScalar widening)
+void qcSeparatingPlanes::Add(qcSoftBodyScene& scene, const qcUnprovenPair& unproven, btScalar widening)
 {
     const qcPair& pair = unproven.pair;
     if (!m_pairs.insert({pair.bodyA, pair.triangleA, pair.bodyB, pair.triangleB}).second)
         return;
-    qcSeparationPlane plane;
+    qcSeparatingPlane plane;
     plane.above = SideOf(scene, pair.bodyA, pair.triangleA);
     plane.below = SideOf(scene, pair.bodyB, pair.triangleB);
     plane.normal = unproven.normal;
@@ -436,21 +436,21 @@ void qcSeparationPlanes::Add(qcSoftBodyScene& scene, const qcUnprovenPair& unpro
     m_planes.push_back(plane);
 }
 
-bool qcSeparationPlanes::HasGuided() const
+bool qcSeparatingPlanes::HasGuided() const
 {
     auto isGuided = [](const qcPlaneSide& side) { return side.rigid != nullptr && side.rigid->isGuided; };
     return std::any_of(m_planes.begin(), m_planes.end(),
-                       [&isGuided](const qcSeparationPlane& plane)
+                       [&isGuided](const qcSeparatingPlane& plane)
                        { return isGuided(plane.above) || isGuided(plane.below); });
 }
 
-void qcSeparationPlanes::Solve(int sweeps, bool movesAll)
+void qcSeparatingPlanes::Solve(int sweeps, bool movesAll)
 {
     bool moved = true;
     for (int i = 0; i < sweeps && moved; i++)
     {
         moved = false;
-        for (const qcSeparationPlane& plane : m_planes)
+        for (const qcSeparatingPlane& plane : m_planes)
             moved = SolvePlane(plane, movesAll) || moved;
     }
 }

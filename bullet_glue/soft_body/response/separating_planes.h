@@ -30,7 +30,7 @@ struct qcUnprovenPair
 /// `start`: the proximity of the pair at the start of the step.
 qcUnprovenPair qcMakeUnproven(qcSoftBodyScene& scene, const qcPair& pair, const qcProximity& start);
 
-/// How a pair that touches at the start moves along its direction of least penetration.
+/// Classifies the motion of a pair that touches at the start, along its direction of smallest penetration.
 enum class qcTouchingMotion
 {
     Proven,   ///< a direction separates at the end, and up to rounding at the start
@@ -41,7 +41,7 @@ enum class qcTouchingMotion
 /// `isInZone`: the pair may have moved as one rigid body, and is proven unless it penetrates at the end.
 qcTouchingMotion qcClassifyTouching(qcSoftBodyScene& scene, const qcUnprovenPair& pair, bool isInZone);
 
-struct qcSeparationPlane
+struct qcSeparatingPlane
 {
     qcPlaneSide above, below;
     btVector3 normal; ///< unit, from below to above
@@ -49,7 +49,7 @@ struct qcSeparationPlane
     btScalar friction;
 };
 
-class qcSeparationPlanes
+class qcSeparatingPlanes
 {
   public:
     void Clear();
@@ -66,13 +66,13 @@ class qcSeparationPlanes
     {
         return m_planes.size();
     }
-    const std::vector<qcSeparationPlane>& Planes() const
+    const std::vector<qcSeparatingPlane>& Planes() const
     {
         return m_planes;
     }
 
   private:
-    std::vector<qcSeparationPlane> m_planes;
+    std::vector<qcSeparatingPlane> m_planes;
     std::set<std::array<uint32_t, 4>> m_pairs; ///< those that have a plane
 };
 

@@ -21,7 +21,7 @@ class qcMotionBoxes
     /// Finds the boxes that overlap another one. O(n log n) where few of them overlap along the axis on which they are
     /// spread most; O(n) if the boxes are those of the last call.
     void Find();
-    /// Whether the box that was added as number `i` overlaps another one. Valid after Find.
+    /// True if the box that was added as number `i` overlaps another one. Valid after Find.
     bool Overlaps(size_t i) const
     {
         return m_overlaps[i] != 0;

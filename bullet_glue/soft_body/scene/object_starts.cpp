@@ -79,13 +79,6 @@ void qcObjectStarts::Wake(const State& state)
         m_places[state.place].rests = false;
 }
 
-/// True if something has moved by a translation, up to rounding.
-bool qcObjectStarts::IsShift(const qcTranslation& translation, const btTransform& from, const btTransform& to)
-{
-    return translation.IsOf(from.getOrigin(), to.getOrigin()) && qcAreSame(from.getBasis()[0], to.getBasis()[0]) &&
-           qcAreSame(from.getBasis()[1], to.getBasis()[1]) && qcAreSame(from.getBasis()[2], to.getBasis()[2]);
-}
-
 bool qcObjectStarts::AreShiftedBy(const qcTranslation& translation, const qcBroadphases& broadphases) const
 {
     bool areShifted = true;
@@ -95,7 +88,7 @@ bool qcObjectStarts::AreShiftedBy(const qcTranslation& translation, const qcBroa
         if (found == m_states.end() || found->second.step == 0 || object->isKinematicObject())
             return;
         const State& state = found->second;
-        areShifted = IsShift(translation, state.end, IsDynamic(object) ? state.begin : object->getWorldTransform());
+        areShifted = translation.IsOf(state.end, IsDynamic(object) ? state.begin : object->getWorldTransform());
     };
     qcForEachObject(broadphases, check);
     return areShifted;
@@ -130,7 +123,7 @@ void qcObjectStarts::ReadState(btCollisionObject* object, State* read, bool isNe
         state.motion.setZero();
         return;
     }
-    const bool isShifted = IsShift(m_shift, state.end, isDynamic ? state.begin : now);
+    const bool isShifted = m_shift.IsOf(state.end, isDynamic ? state.begin : now);
     if (isNew)
         state.start = now;
     else if (isShifted)

@@ -111,7 +111,6 @@ class qcObjectStarts
     void Wake(const State& state);
     void BeginObject(const btCollisionObject* object, size_t index);
     void ForgetAbsent();
-    static bool IsShift(const qcTranslation& translation, const btTransform& from, const btTransform& to);
     static Moved MakeMoved(btCollisionObject* object, const btTransform& from);
     void ReadState(btCollisionObject* object, State* read, bool isNew, btScalar timeStep, const qcRigidLimits* limits);
     void ReadObject(btCollisionObject* object, btScalar timeStep, const qcRigidLimits* limits);

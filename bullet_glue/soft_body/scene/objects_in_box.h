@@ -5,9 +5,17 @@
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 
+#include <algorithm>
 #include <vector>
 
 using qcBroadphases = std::vector<btBroadphaseInterface*>; ///< of the bodies of a step, each once
+
+/// Adds a broadphase, unless it is null or there.
+inline void qcAddBroadphase(btBroadphaseInterface* broadphase, qcBroadphases* broadphases)
+{
+    if (broadphase != nullptr && std::find(broadphases->begin(), broadphases->end(), broadphase) == broadphases->end())
+        broadphases->push_back(broadphase);
+}
 
 /// Calls function(object) for each object whose box in the broadphase overlaps a box.
 template <typename Function>

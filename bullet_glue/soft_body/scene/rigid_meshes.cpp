@@ -1,16 +1,13 @@
-// Meshes near soft bodies: collected from the broadphase, moved by contacts.
+// The rigid objects near soft bodies, as meshes of the soft bodies' scene.
 #include "soft_body/scene/rigid_meshes.h"
 
-#include "common/compound_children.h"
 #include "common/first_error.h"
 #include "common/object_key.h"
 #include "common/object_motion.h"
-#include "common/shape_triangles.h"
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 #include <LinearMath/btAabbUtil2.h>
-#include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
 
@@ -37,17 +34,6 @@ bool AreReshaped(const std::vector<qcSceneShape>& a, const std::vector<qcSceneSh
            !std::equal(a.begin(), a.end(), b.begin(), isUnchanged);
 }
 
-/// The box around a box of world space in a frame.
-void ToFrame(const btTransform& frame, const btVector3 box[2], btVector3 local[2])
-{
-    const btTransform inverse = frame.inverse();
-    const btVector3 center = inverse * ((box[0] + box[1]) / 2), half = (box[1] - box[0]) / 2;
-    const btVector3 extent =
-        half.dot3(inverse.getBasis()[0].absolute(), inverse.getBasis()[1].absolute(), inverse.getBasis()[2].absolute());
-    local[0] = center - extent;
-    local[1] = center + extent;
-}
-
 bool Sleeps(const btMultiBodyLinkCollider* collider)
 {
     return collider != nullptr && collider->getActivationState() == ISLAND_SLEEPING;
@@ -64,8 +50,7 @@ bool IsStepped(const btMultiBody& multibody)
 
 qcStatus AddMesh(qcScene* scene, const qcSceneRigid& rigid, qcSceneMesh* mesh)
 {
-    mesh->sceneTransform = rigid.object->getWorldTransform() * mesh->local;
-    return mesh->AddTo(scene, rigid.activity);
+    return mesh->AddTo(scene, rigid.object->getWorldTransform() * mesh->local, rigid.activity);
 }
 
 void RemoveMeshes(qcScene* scene, const qcSceneRigid& rigid)
@@ -108,7 +93,7 @@ void ReadState(qcSceneRigid* rigid, const btTransform& start, btScalar timeStep)
 }
 } // namespace
 
-void qcSoftBodyMeshes::BeginStep(const qcBroadphases& broadphases)
+void qcRigidMeshes::BeginStep(const qcBroadphases& broadphases)
 {
     m_beginnings.clear();
     m_starts.Begin(broadphases,
@@ -119,16 +104,26 @@ void qcSoftBodyMeshes::BeginStep(const qcBroadphases& broadphases)
                    });
 }
 
-void qcSoftBodyMeshes::ReadMotions(const qcBroadphases& broadphases, btScalar timeStep, const qcRigidLimits* limits)
+void qcRigidMeshes::ReadMotions(const qcBroadphases& broadphases, btScalar timeStep, const qcRigidLimits* limits)
 {
     m_timeStep = timeStep;
     m_starts.Read(broadphases, timeStep, limits);
     m_overlaps.Begin(m_starts);
-    m_reshaped.Read(m_overlaps.Candidates(), m_surfaces);
+    m_reshaped.Read(m_overlaps.Candidates());
+}
+
+void qcRigidMeshes::InvalidateShape(const btCollisionShape* shape)
+{
+    m_shapes.Forget(shape);
+    m_reshaped.InvalidateShape(shape);
+    for (auto* known : {&m_rigids, &m_away})
+        for (const std::unique_ptr<qcSceneRigid>& rigid : *known)
+            if (rigid)
+                rigid->Invalidate(shape);
 }
 
 /// The object as it was in the previous step; null: not known.
-qcSceneRigid* qcSoftBodyMeshes::FindLast(const btCollisionObject* object) const
+qcSceneRigid* qcRigidMeshes::FindLast(const btCollisionObject* object) const
 {
     for (const auto* known : {&m_rigids, &m_away})
         for (const std::unique_ptr<qcSceneRigid>& last : *known)
@@ -139,10 +134,10 @@ qcSceneRigid* qcSoftBodyMeshes::FindLast(const btCollisionObject* object) const
 
 /// True if the object is known with other triangles. `box` receives the lower and upper corner of the box around their
 /// motion.
-bool qcSoftBodyMeshes::IsReshaped(const btCollisionObject* object, btVector3 box[2]) const
+bool qcRigidMeshes::IsReshaped(const btCollisionObject* object, btVector3 box[2]) const
 {
     const qcSceneRigid* last = FindLast(object);
-    if (last == nullptr || AreSame(last->shapes, ShapesOf(object, last->withSurfaces)))
+    if (last == nullptr || AreSame(last->shapes, qcRigidShapes::ShapesOf(object, last->withSurfaces)))
         return false;
     object->getCollisionShape()->getAabb(object->getWorldTransform(), box[0], box[1]);
     for (const qcSceneMesh& mesh : last->meshes)
@@ -155,8 +150,7 @@ bool qcSoftBodyMeshes::IsReshaped(const btCollisionObject* object, btVector3 box
     return true;
 }
 
-void qcSoftBodyMeshes::ForEachPlaced(const qcBroadphases& broadphases,
-                                     const qcObjectStarts::BoxFunction& function) const
+void qcRigidMeshes::ForEachPlaced(const qcBroadphases& broadphases, const qcObjectStarts::BoxFunction& function) const
 {
     m_starts.ForEachPlaced(broadphases, function);
     qcForEachObject(broadphases,
@@ -169,7 +163,7 @@ void qcSoftBodyMeshes::ForEachPlaced(const qcBroadphases& broadphases,
 }
 
 /// Adds overlaps of objects whose triangles have passed boxes of soft bodies since the previous step.
-void qcSoftBodyMeshes::AddReshaped()
+void qcRigidMeshes::AddReshaped()
 {
     const size_t count = m_overlaps.All().size();
     for (btCollisionObject* object : m_reshaped.Objects())
@@ -185,7 +179,7 @@ void qcSoftBodyMeshes::AddReshaped()
 
 /// Keeps the meshes of objects whose triangles the application moves and that are near no soft body. Contacts may move
 /// one there: see Extend.
-void qcSoftBodyMeshes::KeepReshaped()
+void qcRigidMeshes::KeepReshaped()
 {
     std::vector<std::unique_ptr<qcSceneRigid>> away;
     for (btCollisionObject* object : m_reshaped.Objects())
@@ -194,7 +188,7 @@ void qcSoftBodyMeshes::KeepReshaped()
             continue;
         const btBroadphaseProxy* proxy = object->getBroadphaseHandle();
         const qcRigidOverlap overlap{object, true, {proxy->m_aabbMin, proxy->m_aabbMax}};
-        std::unique_ptr<qcSceneRigid> rigid = MakeRigid(overlap);
+        std::unique_ptr<qcSceneRigid> rigid = qcRigidShapes::MakeRigid(overlap);
         auto isSame = [&](const std::unique_ptr<qcSceneRigid>& last) {
             return last && last->object == object && last->uniqueId == rigid->uniqueId &&
                    AreSame(last->shapes, rigid->shapes);
@@ -208,7 +202,7 @@ void qcSoftBodyMeshes::KeepReshaped()
         }
         else
         {
-            FindMeshes(rigid.get(), overlap);
+            m_shapes.FindMeshes(rigid.get(), overlap);
             if (const qcSceneRigid* known = FindLast(object))
                 rigid->DeformFrom(*known);
         }
@@ -217,29 +211,9 @@ void qcSoftBodyMeshes::KeepReshaped()
     m_away.swap(away);
 }
 
-/// The simple shapes of an object that have triangles, without their surfaces.
-std::vector<qcSceneShape> qcSoftBodyMeshes::ShapesOf(const btCollisionObject* object, bool withSurfaces) const
+bool qcRigidMeshes::FindTransform(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTransform* transform) const
 {
-    std::vector<qcSceneShape> shapes;
-    withSurfaces = withSurfaces && object->hasContactResponse();
-    auto add = [&](const btCollisionShape* simple, const btTransform& local)
-    {
-        const qcMeshShape* mesh = qcAsMeshShape(simple);
-        bool isUsed = mesh != nullptr ? mesh->getTriangleCount() > 0 : withSurfaces && qcHasSurface(simple);
-        if (!isUsed)
-            return;
-        shapes.emplace_back();
-        shapes.back().shape = simple;
-        shapes.back().local = local;
-        shapes.back().revision = m_surfaces.RevisionOf(simple);
-    };
-    qcForEachSimpleShape(object->getCollisionShape(), btTransform::getIdentity(), add);
-    return shapes;
-}
-
-bool qcSoftBodyMeshes::FindTransform(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTransform* transform) const
-{
-    const std::vector<qcSceneShape> present = ShapesOf(rigid.object, rigid.withSurfaces);
+    const std::vector<qcSceneShape> present = qcRigidShapes::ShapesOf(rigid.object, rigid.withSurfaces);
     const qcSceneShape& shape = rigid.shapes[mesh.index];
     if (mesh.index >= present.size() || present[mesh.index].shape != shape.shape ||
         present[mesh.index].revision != shape.revision)
@@ -248,72 +222,8 @@ bool qcSoftBodyMeshes::FindTransform(const qcSceneRigid& rigid, const qcSceneMes
     return true;
 }
 
-/// The box around the soft bodies near an object over the step, in the frame of a shape of the object.
-void qcSoftBodyMeshes::FindBox(const qcRigidOverlap& overlap, const btTransform& local, btVector3 box[2]) const
-{
-    btVector3 start[2];
-    ToFrame(overlap.object->getWorldTransform() * local, overlap.box, box);
-    ToFrame(m_starts.StartOf(overlap.object) * local, overlap.box, start);
-    box[0].setMin(start[0]);
-    box[1].setMax(start[1]);
-}
-
-/// True if the object's surfaces, where they were read by region, have what lies near the soft bodies.
-bool qcSoftBodyMeshes::Cover(const qcSceneRigid& rigid, const qcRigidOverlap& overlap) const
-{
-    for (const qcSceneShape& shape : rigid.shapes)
-    {
-        btVector3 box[2];
-        if (shape.surface == nullptr || shape.surface->isWhole)
-            continue;
-        FindBox(overlap, shape.local, box);
-        if (!shape.surface->Covers(box))
-            return false;
-    }
-    return true;
-}
-
-/// Finds the surfaces of an object's shapes near the soft bodies, and its meshes.
-void qcSoftBodyMeshes::FindMeshes(qcSceneRigid* rigid, const qcRigidOverlap& overlap)
-{
-    for (size_t i = 0; i < rigid->shapes.size(); i++)
-    {
-        qcSceneShape& shape = rigid->shapes[i];
-        qcSceneMesh mesh;
-        mesh.shape = qcAsMeshShape(shape.shape);
-        mesh.isSurface = mesh.shape == nullptr;
-        if (mesh.isSurface)
-        {
-            btVector3 box[2];
-            FindBox(overlap, shape.local, box);
-            shape.surface = m_surfaces.Find(shape.shape, shape.revision, rigid->object, box,
-                                            [this](const qcObjectKey& key) { return m_starts.Has(key); });
-            mesh.shape = shape.surface->mesh.get();
-            mesh.isConvex = shape.surface->isConvex;
-            mesh.inside = shape.local * shape.surface->inside;
-        }
-        mesh.local = shape.local;
-        mesh.index = i;
-        if (mesh.shape == nullptr)
-            continue;
-        mesh.ReadShape(shape.surface.get());
-        rigid->meshes.push_back(std::move(mesh));
-    }
-}
-
-/// An object with its shapes that have triangles, and without meshes yet.
-std::unique_ptr<qcSceneRigid> qcSoftBodyMeshes::MakeRigid(const qcRigidOverlap& overlap) const
-{
-    std::unique_ptr<qcSceneRigid> rigid(new qcSceneRigid);
-    rigid->object = overlap.object;
-    rigid->uniqueId = qcUniqueIdOf(overlap.object);
-    rigid->withSurfaces = overlap.withSurfaces;
-    rigid->shapes = ShapesOf(overlap.object, overlap.withSurfaces);
-    return rigid;
-}
-
 /// The collected objects that have meshes. Those that are tracked already, unchanged, are moved out of m_rigids.
-std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
+std::vector<std::unique_ptr<qcSceneRigid>> qcRigidMeshes::TakeTracked()
 {
     m_overlaps.Merge();
     m_overlaps.AddLinks();
@@ -321,13 +231,13 @@ std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
     std::vector<std::unique_ptr<qcSceneRigid>> rigids;
     for (const qcRigidOverlap& overlap : m_overlaps.All())
     {
-        std::unique_ptr<qcSceneRigid> rigid = MakeRigid(overlap);
+        std::unique_ptr<qcSceneRigid> rigid = qcRigidShapes::MakeRigid(overlap);
         if (rigid->shapes.empty())
             continue;
         auto isSame = [&](const std::unique_ptr<qcSceneRigid>& other)
         {
             return other && other->object == rigid->object && other->uniqueId == rigid->uniqueId &&
-                   AreSame(other->shapes, rigid->shapes) && Cover(*other, overlap);
+                   AreSame(other->shapes, rigid->shapes) && m_shapes.Cover(*other, overlap);
         };
         auto found = std::find_if(m_rigids.begin(), m_rigids.end(), isSame);
         bool isReshaped = false;
@@ -335,7 +245,7 @@ std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
             rigid = std::move(*found);
         else
         {
-            FindMeshes(rigid.get(), overlap);
+            m_shapes.FindMeshes(rigid.get(), overlap);
             qcSceneRigid* last = FindLast(rigid->object);
             if (last != nullptr && !AreSame(last->shapes, rigid->shapes))
             {
@@ -354,7 +264,7 @@ std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
 }
 
 /// Finds the multibody of a link that Bullet moves.
-void qcSoftBodyMeshes::FindMultiBody(qcSceneRigid* rigid)
+void qcRigidMeshes::FindMultiBody(qcSceneRigid* rigid)
 {
     const btMultiBodyLinkCollider* collider = qcAsLink(rigid->object);
     rigid->multibody = nullptr;
@@ -378,7 +288,7 @@ void qcSoftBodyMeshes::FindMultiBody(qcSceneRigid* rigid)
 }
 
 /// Appends the object, with its meshes in the scene. After a failure it is not tracked, and none of them is there.
-qcStatus qcSoftBodyMeshes::Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid)
+qcStatus qcRigidMeshes::Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid)
 {
     qcActivity previous = rigid->activity;
     ReadState(rigid.get(), m_starts.StartOf(rigid->object), m_timeStep);
@@ -397,7 +307,7 @@ qcStatus qcSoftBodyMeshes::Track(qcScene* scene, std::unique_ptr<qcSceneRigid> r
     return status;
 }
 
-void qcSoftBodyMeshes::IndexSlots()
+void qcRigidMeshes::IndexSlots()
 {
     m_meshOfSlot.clear();
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
@@ -410,7 +320,7 @@ void qcSoftBodyMeshes::IndexSlots()
         }
 }
 
-qcStatus qcSoftBodyMeshes::Sync(qcScene* scene)
+qcStatus qcRigidMeshes::Sync(qcScene* scene)
 {
     std::vector<std::unique_ptr<qcSceneRigid>> rigids = TakeTracked();
     for (const std::unique_ptr<qcSceneRigid>& gone : m_rigids)
@@ -418,7 +328,7 @@ qcStatus qcSoftBodyMeshes::Sync(qcScene* scene)
             RemoveMeshes(scene, *gone);
     m_rigids.clear();
     m_multibodies.clear();
-    m_surfaces.EndStep();
+    m_shapes.EndStep();
     qcStatus status = qc_statusOk;
     for (std::unique_ptr<qcSceneRigid>& rigid : rigids)
         status = qcFirstError(status, Track(scene, std::move(rigid)));
@@ -426,7 +336,7 @@ qcStatus qcSoftBodyMeshes::Sync(qcScene* scene)
     return status;
 }
 
-bool qcSoftBodyMeshes::MayMiss() const
+bool qcRigidMeshes::MayMiss() const
 {
     auto isInPart = [](const qcSceneShape& shape) { return shape.surface != nullptr && !shape.surface->isWhole; };
     auto hasParts = [&](const std::unique_ptr<qcSceneRigid>& rigid)
@@ -434,7 +344,7 @@ bool qcSoftBodyMeshes::MayMiss() const
     return m_overlaps.Candidates().size() > m_rigids.size() || std::any_of(m_rigids.begin(), m_rigids.end(), hasParts);
 }
 
-qcStatus qcSoftBodyMeshes::Extend(qcScene* scene, bool* added)
+qcStatus qcRigidMeshes::Extend(qcScene* scene, bool* added)
 {
     qcStatus status = qc_statusOk;
     m_overlaps.Merge();
@@ -444,7 +354,7 @@ qcStatus qcSoftBodyMeshes::Extend(qcScene* scene, bool* added)
         // An object that contacts move is in the scene once.
         auto isThere = [&](const std::unique_ptr<qcSceneRigid>& rigid)
         {
-            bool hasAll = rigid->withSurfaces >= overlap.withSurfaces && Cover(*rigid, overlap);
+            bool hasAll = rigid->withSurfaces >= overlap.withSurfaces && m_shapes.Cover(*rigid, overlap);
             return rigid->object == overlap.object && (hasAll || rigid->CanMove());
         };
         if (std::any_of(m_rigids.begin(), m_rigids.end(), isThere))
@@ -452,9 +362,10 @@ qcStatus qcSoftBodyMeshes::Extend(qcScene* scene, bool* added)
         auto isAway = [&](const std::unique_ptr<qcSceneRigid>& away)
         { return away && away->object == overlap.object && away->withSurfaces == overlap.withSurfaces; };
         auto away = std::find_if(m_away.begin(), m_away.end(), isAway);
-        std::unique_ptr<qcSceneRigid> rigid = away != m_away.end() ? std::move(*away) : MakeRigid(overlap);
+        std::unique_ptr<qcSceneRigid> rigid =
+            away != m_away.end() ? std::move(*away) : qcRigidShapes::MakeRigid(overlap);
         if (rigid->meshes.empty())
-            FindMeshes(rigid.get(), overlap);
+            m_shapes.FindMeshes(rigid.get(), overlap);
         if (rigid->meshes.empty() || status != qc_statusOk)
             continue;
         status = Track(scene, std::move(rigid));
@@ -466,14 +377,14 @@ qcStatus qcSoftBodyMeshes::Extend(qcScene* scene, bool* added)
     return status;
 }
 
-bool qcSoftBodyMeshes::StartWhereTheyEnded() const
+bool qcRigidMeshes::StartWhereTheyEnded() const
 {
     auto startsThere = [](const std::unique_ptr<qcSceneRigid>& rigid)
     { return rigid->hasEnd && qcAreSame(rigid->start, rigid->end); };
     return std::all_of(m_rigids.begin(), m_rigids.end(), startsThere);
 }
 
-qcStatus qcSoftBodyMeshes::SyncTransforms(qcScene* scene, bool atStart)
+qcStatus qcRigidMeshes::SyncTransforms(qcScene* scene, bool atStart)
 {
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
         for (qcSceneMesh& mesh : rigid->meshes)
@@ -487,7 +398,7 @@ qcStatus qcSoftBodyMeshes::SyncTransforms(qcScene* scene, bool atStart)
     return qc_statusOk;
 }
 
-void qcSoftBodyMeshes::AddMotionBoxes(btScalar reach, qcMotionBoxes* boxes) const
+void qcRigidMeshes::AddMotionBoxes(btScalar reach, qcMotionBoxes* boxes) const
 {
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
         for (const qcSceneMesh& mesh : rigid->meshes)
@@ -499,125 +410,7 @@ void qcSoftBodyMeshes::AddMotionBoxes(btScalar reach, qcMotionBoxes* boxes) cons
         }
 }
 
-bool qcSoftBodyMeshes::Commit()
-{
-    bool any = false;
-    for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
-    {
-        const qcRigidDisplacement pushed = rigid->pushed;
-        if (pushed.linear.isZero() && pushed.angular.isZero())
-            continue;
-        btTransform moved;
-        btTransformUtil::integrateTransform(rigid->object->getWorldTransform(), pushed.linear, pushed.angular, 1,
-                                            moved);
-        rigid->object->setWorldTransform(moved);
-        rigid->moved.linear += pushed.linear;
-        rigid->moved.angular += pushed.angular;
-        rigid->pushed = qcRigidDisplacement();
-        any = true;
-    }
-    for (const std::unique_ptr<qcMultiBodyMotion>& multibody : m_multibodies)
-        any = multibody->Commit() || any;
-    return any;
-}
-
-void qcSoftBodyMeshes::MoveFromStart(qcSceneRigid& rigid, const btTransform& motion)
-{
-    if (!rigid.IsFree())
-        return;
-    rigid.fromStart = true;
-    rigid.object->setWorldTransform(qcAreSame(motion, btTransform::getIdentity()) ? rigid.start : motion * rigid.start);
-}
-
-void qcSoftBodyMeshes::UpdateVelocities(btScalar timeStep)
-{
-    for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
-    {
-        btRigidBody* body = rigid->body;
-        bool moved = rigid->fromStart || !rigid->moved.linear.isZero() || !rigid->moved.angular.isZero();
-        if (body == nullptr || !moved)
-            continue;
-        if (rigid->fromStart)
-        {
-            btVector3 linear, angular;
-            btTransformUtil::calculateVelocity(rigid->start, rigid->object->getWorldTransform(), timeStep, linear,
-                                               angular);
-            body->setLinearVelocity(linear);
-            body->setAngularVelocity(angular);
-        }
-        else
-        {
-            const btVector3 linear = rigid->moved.linear - rigid->recovered.linear,
-                            angular = rigid->moved.angular - rigid->recovered.angular;
-            body->setLinearVelocity(body->getLinearVelocity() + linear / timeStep);
-            body->setAngularVelocity(body->getAngularVelocity() + angular / timeStep);
-        }
-        // Also sets Bullet's interpolation transform and the inertia tensor in world space.
-        body->setCenterOfMassTransform(btTransform(rigid->object->getWorldTransform()));
-        rigid->fromStart = false;
-        rigid->moved = rigid->recovered = qcRigidDisplacement();
-    }
-    for (const std::unique_ptr<qcMultiBodyMotion>& multibody : m_multibodies)
-        multibody->UpdateVelocities(timeStep);
-    RecordEnds();
-}
-
-bool qcSoftBodyMeshes::Fix(const std::vector<const btCollisionObject*>& objects)
-{
-    bool any = false;
-    for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
-        if (std::find(objects.begin(), objects.end(), rigid->object) != objects.end())
-            rigid->isFixed = any = true;
-    return any;
-}
-
-bool qcSoftBodyMeshes::ReturnToStart(const std::vector<qcSceneRigid*>& rigids)
-{
-    for (qcSceneRigid* returned : rigids)
-    {
-        qcMultiBodyMotion* multibody = returned->multibody;
-        if (!returned->isGuided || returned->isFixed || (multibody != nullptr && !multibody->ReturnToStart()))
-            continue;
-        if (multibody == nullptr)
-        {
-            returned->isFixed = returned->fromStart = true;
-            returned->object->setWorldTransform(returned->start);
-        }
-        else
-            for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
-                rigid->isFixed = rigid->isFixed || rigid->multibody == multibody;
-        return true;
-    }
-    return false;
-}
-
-void qcSoftBodyMeshes::RecordEnds()
-{
-    for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
-    {
-        rigid->hasEnd = true;
-        rigid->end = rigid->object->getWorldTransform();
-        m_starts.RecordEnd(rigid->object);
-    }
-    // Links that are not in the scene, since soft bodies leave their shapes to Bullet, have moved, too.
-    for (const std::unique_ptr<qcMultiBodyMotion>& multibody : m_multibodies)
-        multibody->ForEachMovedCollider([this](const btCollisionObject* link) { m_starts.RecordEnd(link); });
-}
-
-void qcSoftBodyMeshes::Restore()
-{
-    for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
-    {
-        rigid->pushed = qcRigidDisplacement();
-        if (rigid->body != nullptr)
-            rigid->object->setWorldTransform(rigid->solved);
-    }
-    for (const std::unique_ptr<qcMultiBodyMotion>& multibody : m_multibodies)
-        multibody->Restore();
-    RecordEnds();
-}
-
-int qcSoftBodyMeshes::CountWith(bool surface) const
+int qcRigidMeshes::CountWith(bool surface) const
 {
     auto isIt = [surface](const qcSceneMesh& mesh) { return mesh.isSurface == surface; };
     auto has = [&](const std::unique_ptr<qcSceneRigid>& rigid)
@@ -625,7 +418,7 @@ int qcSoftBodyMeshes::CountWith(bool surface) const
     return int(std::count_if(m_rigids.begin(), m_rigids.end(), has));
 }
 
-const qcSceneMesh* qcSoftBodyMeshes::Find(uint32_t slot, qcSceneRigid** rigid)
+const qcSceneMesh* qcRigidMeshes::Find(uint32_t slot, qcSceneRigid** rigid)
 {
     if (slot >= m_meshOfSlot.size() || m_meshOfSlot[slot].first == nullptr)
         return nullptr;

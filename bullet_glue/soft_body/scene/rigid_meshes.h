@@ -7,6 +7,7 @@
 #include "soft_body/scene/object_starts.h"
 #include "soft_body/scene/reshaped_objects.h"
 #include "soft_body/scene/rigid_overlaps.h"
+#include "soft_body/scene/rigid_shapes.h"
 #include "soft_body/scene/scene_rigid.h"
 
 #include <memory>
@@ -15,7 +16,7 @@
 
 class btBroadphaseInterface;
 
-class qcSoftBodyMeshes
+class qcRigidMeshes
 {
   public:
     /// The step starts: Bullet has moved nothing yet.
@@ -47,11 +48,8 @@ class qcSoftBodyMeshes
     {
         m_overlaps.Collect(m_starts, broadphase, lower, upper, withSurfaces);
     }
-    /// See qcSurfaceCache.
-    void Forget(const btCollisionShape* shape)
-    {
-        m_surfaces.Forget(shape);
-    }
+    /// The triangles of one of Bullet's own shapes have changed where its revision doesn't show it.
+    void InvalidateShape(const btCollisionShape* shape);
     /// An object that is not finite, which the step leaves out, or null.
     const btCollisionObject* NotFinite() const
     {
@@ -100,11 +98,6 @@ class qcSoftBodyMeshes
     void AddReshaped();
     void KeepReshaped();
     qcSceneRigid* FindLast(const btCollisionObject* object) const;
-    std::vector<qcSceneShape> ShapesOf(const btCollisionObject* object, bool withSurfaces) const;
-    void FindBox(const qcRigidOverlap& overlap, const btTransform& local, btVector3 box[2]) const;
-    bool Cover(const qcSceneRigid& rigid, const qcRigidOverlap& overlap) const;
-    void FindMeshes(qcSceneRigid* rigid, const qcRigidOverlap& overlap);
-    std::unique_ptr<qcSceneRigid> MakeRigid(const qcRigidOverlap& overlap) const;
     std::vector<std::unique_ptr<qcSceneRigid>> TakeTracked();
     void FindMultiBody(qcSceneRigid* rigid);
     qcStatus Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid);
@@ -113,7 +106,7 @@ class qcSoftBodyMeshes
 
     btScalar m_timeStep = 0;
     qcObjectStarts m_starts;
-    qcSurfaceCache m_surfaces;
+    qcRigidShapes m_shapes{m_starts};
     qcReshapedObjects m_reshaped;
     qcRigidOverlaps m_overlaps;
     /// Objects whose triangles the application moves, in no scene, at the end of the previous step.

@@ -1,7 +1,6 @@
 // A mesh of a rigid object near soft bodies, in a scene.
 #include "soft_body/scene/scene_mesh.h"
 
-#include "common/moved_vertices.h"
 #include "common/object_key.h"
 #include "common/shape_triangles.h"
 #include "common/vertex_box.h"
@@ -54,13 +53,8 @@ void qcSceneMesh::ReadShape(const qcShapeSurface* surface)
 
 void qcSceneMesh::DeformFrom(const qcSceneMesh& last)
 {
-    if (trianglesHash == 0 || last.index != index || !qcAreSame(last.local, local) ||
-        last.trianglesHash != trianglesHash || last.vertices.size() != vertices.size() ||
-        !qcHaveMoved(last.vertices.data(), vertices.data(), vertices.size(), last.box))
-        return;
-    startVertices = last.vertices;
-    startBox[0] = last.box[0];
-    startBox[1] = last.box[1];
+    if (last.index == index && last.vertices.size() == vertices.size())
+        qcMeshBody::DeformFrom(last, last.vertices.data(), vertices.data(), vertices.size());
 }
 
 void qcSceneMesh::TakeBody(qcSceneMesh* last)
@@ -88,36 +82,26 @@ bool qcSceneMesh::Rest()
     return ++restingSteps <= s_restingSteps;
 }
 
-qcStatus qcSceneMesh::AddTo(qcScene* scene, qcActivity activity)
+qcStatus qcSceneMesh::AddTo(qcScene* scene, const btTransform& transform, qcActivity activity)
 {
     Weld();
     const std::vector<uint32_t> indices = WeldedIndices();
     qcBodyDef def = qcMeshBodyDef(vertices.data(), uint32_t(vertices.size()), indices.data(),
-                                  uint32_t(indices.size() / 3), sceneTransform, activity);
+                                  uint32_t(indices.size() / 3), transform, activity);
     def.group = isSurface ? qcSurfaceGroup : qcMeshGroup;
     def.mask = qcSoftGroup;
-    return Deforms() ? qcAddDeforming(scene, def, sceneTransform, &id) : qcScene_AddBody(scene, &def, &id);
+    return AddBody(scene, def, transform, Deforms());
 }
 
 qcStatus qcSceneMesh::Place(qcScene* scene, const btTransform& transform, bool atStart)
 {
-    atStart = atStart && Deforms() && restingSteps == 0;
+    if (!Deforms())
+        return MoveBody(scene, transform);
+    atStart = atStart && restingSteps == 0;
     if (qcAreSame(sceneTransform, transform) && isAtStart == atStart)
         return qc_statusOk;
-    qcStatus status;
-    if (Deforms())
-    {
-        const std::vector<btVector3>& present = atStart ? startVertices : vertices;
-        status = qcSetDeforming(scene, id, transform, present.data(), present.size());
-    }
-    else
-    {
-        const qcTransform converted = qcTransformOf(transform);
-        status = qcScene_SetTransform(scene, id, &converted);
-    }
-    if (status != qc_statusOk)
-        return status;
-    sceneTransform = transform;
-    isAtStart = atStart;
-    return qc_statusOk;
+    const qcStatus status = SetVertices(scene, transform, (atStart ? startVertices : vertices).data(), vertices.size());
+    if (status == qc_statusOk)
+        isAtStart = atStart;
+    return status;
 }

@@ -2,6 +2,7 @@
 #ifndef QC_GLUE_SOFT_BODY_SCENE_SCENE_MESH_H
 #define QC_GLUE_SOFT_BODY_SCENE_SCENE_MESH_H
 
+#include "common/mesh_body.h"
 #include "soft_body/scene/shape_surface.h"
 
 #include "quickcullide/scene.h"
@@ -26,34 +27,24 @@ struct qcSceneShape
 };
 
 /// The triangles of a simple shape.
-struct qcSceneMesh
+struct qcSceneMesh : qcMeshBody
 {
     const qcMeshShape* shape = nullptr; ///< of the object, or the surface of one of its shapes
     bool isSurface = false;
-    btTransform local = btTransform::getIdentity(); ///< from the shape's frame to the object's
-    size_t index = 0;                               ///< of the shape among those of the object
-    bool isConvex = false;                          ///< a closed convex surface
-    btVector3 inside{0, 0, 0};                      ///< a point inside of it, in the object's frame
-    qcBodyId id{};
-    btTransform sceneTransform = btTransform::getIdentity(); ///< of the mesh in the scene
+    size_t index = 0;          ///< of the shape among those of the object
+    bool isConvex = false;     ///< a closed convex surface
+    btVector3 inside{0, 0, 0}; ///< a point inside of it, in the object's frame
 
     //  In the shape's frame, as read from it; the shape itself may be gone in the next step.
     std::vector<btVector3> vertices;
-    btVector3 box[2];           ///< around them: lower and upper corner
-    uint64_t trianglesHash = 0; ///< of its indices and the triangles' numbers in Bullet; 0: the mesh can't deform
+    btVector3 box[2]; ///< around them: lower and upper corner
 
     //  A mesh whose vertices the application has moved is a deforming body of the scene, until they have rested for a
     //  while.
-    std::vector<btVector3> startVertices; ///< at the start of the step, in the shape's frame; empty: a rigid body
-    btVector3 startBox[2];                ///< around them
-    std::vector<uint32_t> firstVertices;  ///< for each vertex the one that takes its place in the scene
-    int restingSteps = 0;                 ///< since its vertices have moved
-    bool isAtStart = false;               ///< in the scene: it has its vertices of the start
+    std::vector<uint32_t> firstVertices; ///< for each vertex the one that takes its place in the scene
+    int restingSteps = 0;                ///< since its vertices have moved
+    bool isAtStart = false;              ///< in the scene: it has its vertices of the start
 
-    bool Deforms() const
-    {
-        return !startVertices.empty();
-    }
     /// A vertex at the start of the step, in the shape's frame.
     const btVector3& StartVertex(uint32_t vertex) const
     {
@@ -66,8 +57,7 @@ struct qcSceneMesh
     std::vector<uint32_t> WeldedIndices() const;
     /// Reads what the mesh keeps of `shape`; `surface`: null for a qcMeshShape.
     void ReadShape(const qcShapeSurface* surface);
-    /// Deforms in the step from what another mesh was, if that had the same triangles and they have moved from there;
-    /// see qcHaveMoved.
+    /// See qcMeshBody.
     void DeformFrom(const qcSceneMesh& last);
     /// Takes over the body in the scene of a mesh from which this one deforms, if that is a deforming one with the same
     /// vertices made one.
@@ -75,9 +65,8 @@ struct qcSceneMesh
     /// A mesh that deforms begins a step in which its vertices rest. False: it has rested for so long that it should be
     /// a rigid body again.
     bool Rest();
-    /// Adds it to a scene at `sceneTransform`.
-    qcStatus AddTo(qcScene* scene, qcActivity activity);
-    /// Sets `sceneTransform`, and its vertices if it deforms.
+    qcStatus AddTo(qcScene* scene, const btTransform& transform, qcActivity activity);
+    /// Sets its transform, and its vertices if it deforms.
     qcStatus Place(qcScene* scene, const btTransform& transform, bool atStart);
 
     /// Distance from the triangles at which a soft body of this thickness is kept. The margin of a surface is bounded:

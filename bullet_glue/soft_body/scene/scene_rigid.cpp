@@ -1,6 +1,8 @@
 // How contacts move a rigid object.
 #include "soft_body/scene/scene_rigid.h"
 
+#include "common/changed_shapes.h"
+
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 #include <LinearMath/btAabbUtil2.h>
 
@@ -55,6 +57,13 @@ bool qcSceneRigid::IsFree() const
 btTransform qcSceneRigid::MotionTo(const btTransform& transform) const
 {
     return qcAreSame(transform, start) ? btTransform::getIdentity() : transform * start.inverse();
+}
+
+void qcSceneRigid::Invalidate(const btCollisionShape* shape)
+{
+    for (qcSceneShape& known : shapes)
+        if (known.shape == shape && known.surface != nullptr)
+            known.revision = qcStaleRevision;
 }
 
 void qcSceneRigid::DeformFrom(const qcSceneRigid& last)

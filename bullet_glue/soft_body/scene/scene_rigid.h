@@ -26,7 +26,7 @@ struct qcSceneRigid
     btTransform start = btTransform::getIdentity();  ///< of the object, at the start of the step
     btTransform solved = btTransform::getIdentity(); ///< of the object, after Bullet's own solvers
 
-    /// Of its surface in the step, where it stays in place and has velocities: a conveyor belt.
+    /// Displacement of its surface in the step, if it stays in place and has velocities: a conveyor belt.
     qcRigidDisplacement conveyed;
 
     bool isGuided = false;         ///< it can move, and not in all directions alike: joints or factors guide it
@@ -76,6 +76,8 @@ struct qcSceneRigid
     void Wake() const;
     /// True if it can take any rigid motion: it is dynamic, and no factor or infinite inertia restricts it.
     bool IsFree() const;
+    /// Marks what was read of one of Bullet's own shapes as stale.
+    void Invalidate(const btCollisionShape* shape);
     /// Has meshes deform from those of the previous step: see qcSceneMesh::DeformFrom.
     void DeformFrom(const qcSceneRigid& last);
     /// See qcSceneMesh.

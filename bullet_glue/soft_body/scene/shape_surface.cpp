@@ -155,12 +155,11 @@ bool qcShapeSurface::Covers(const btVector3 box[2]) const
     return true;
 }
 
-uint64_t qcSurfaceCache::RevisionOf(const btCollisionShape* shape) const
+uint64_t qcSurfaceCache::RevisionOf(const btCollisionShape* shape)
 {
     if (const qcMeshShape* mesh = qcAsMeshShape(shape))
         return mesh->getRevision();
-    auto changes = m_changes.find(shape);
-    uint64_t hash = qcMixHash(changes != m_changes.end() ? changes->second : 0, uint64_t(shape->getShapeType()));
+    uint64_t hash = qcMixHash(0, uint64_t(shape->getShapeType()));
     hash = qcMixScalar(hash, shape->getMargin());
     if (shape->getShapeType() == STATIC_PLANE_PROXYTYPE)
     {
@@ -204,7 +203,10 @@ std::shared_ptr<const qcShapeSurface> qcSurfaceCache::Find(const btCollisionShap
 
 void qcSurfaceCache::Forget(const btCollisionShape* shape)
 {
-    m_changes[shape]++;
+    auto first = m_entries.lower_bound(std::make_tuple(shape, nullptr)), last = first;
+    while (last != m_entries.end() && std::get<0>(last->first) == shape)
+        ++last;
+    m_entries.erase(first, last);
 }
 
 void qcSurfaceCache::EndStep()

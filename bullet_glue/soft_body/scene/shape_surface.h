@@ -33,14 +33,14 @@ struct qcShapeSurface
 class qcSurfaceCache
 {
   public:
-    /// A number that changes with the shape: with what Bullet's functions change, and with Forget.
-    uint64_t RevisionOf(const btCollisionShape* shape) const;
+    /// A number that changes with the shape, by what Bullet's functions change.
+    static uint64_t RevisionOf(const btCollisionShape* shape);
     /// The surface of a shape with this revision. `box`: lower and upper corner, in the shape's frame, of the region
     /// that it has to cover. isLive(key): an object is in its world.
     std::shared_ptr<const qcShapeSurface> Find(const btCollisionShape* shape, uint64_t revision,
                                                const btCollisionObject* object, const btVector3 box[2],
                                                const std::function<bool(const qcObjectKey&)>& isLive);
-    /// The shape's triangles have changed where its revision doesn't show it.
+    /// The shape's triangles have changed where its revision doesn't show it: they are read anew.
     void Forget(const btCollisionShape* shape);
     /// Call it once in a step: frees what was not in use for some seconds.
     void EndStep();
@@ -55,7 +55,6 @@ class qcSurfaceCache
     };
 
     std::map<std::tuple<const void*, const void*>, Entry> m_entries; ///< by shape and, in part, object
-    std::map<const btCollisionShape*, uint64_t> m_changes;           ///< calls of Forget
     uint64_t m_step = 0;
 };
 

@@ -76,7 +76,7 @@ class qcSoftBodyScene
     /// The largest distance at which two of the bodies push each other.
     btScalar ContactDistance() const;
 
-    qcSoftBodyMeshes meshes;
+    qcRigidMeshes meshes;
     unsigned threads = 0;
     qcMethod method = qc_methodAuto;
     bool reportsCandidates = false; ///< Detect reports candidate pairs

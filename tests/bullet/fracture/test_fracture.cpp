@@ -121,9 +121,9 @@ START_TEST(pieces_are_closed_lie_in_their_cells_and_fill_the_mesh)
 }
 END_TEST
 
-START_TEST(two_islands_in_a_cell_make_two_pieces)
+START_TEST(two_components_in_a_cell_make_two_pieces)
 {
-    // Slabs across the ring: its two sides are islands.
+    // Slabs across the ring: its two sides are components.
     qcFractureDef torus = qcTorusToBreak(48, 12, 1, 0.25);
     for (int i = -2; i <= 2; i++)
         torus.sites.push_back(btVector3(0, btScalar(0.45 * i), 0));
@@ -436,9 +436,10 @@ START_TEST(bad_input_is_refused_with_its_place)
 }
 END_TEST
 
-QC_RUN_TESTS("fracture", pieces_are_closed_lie_in_their_cells_and_fill_the_mesh, two_islands_in_a_cell_make_two_pieces,
-             cuts_through_vertices_and_along_faces_are_closed, cuts_through_flat_sides_leave_no_flat_or_folded_triangle,
-             triangles_back_to_back_are_dropped, hollows_make_holes_in_cuts, a_hollow_belongs_to_the_piece_around_it,
+QC_RUN_TESTS("fracture", pieces_are_closed_lie_in_their_cells_and_fill_the_mesh,
+             two_components_in_a_cell_make_two_pieces, cuts_through_vertices_and_along_faces_are_closed,
+             cuts_through_flat_sides_leave_no_flat_or_folded_triangle, triangles_back_to_back_are_dropped,
+             hollows_make_holes_in_cuts, a_hollow_belongs_to_the_piece_around_it,
              sites_around_an_impact_far_from_zero_are_different,
              the_same_input_gives_the_same_pieces_and_sites_gather_around_an_impact, pieces_of_pieces_are_split_again,
              momentum_and_angular_momentum_are_kept, pieces_of_a_very_light_body_are_not_static,

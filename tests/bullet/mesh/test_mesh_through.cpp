@@ -8,6 +8,8 @@
 #include "bullet/mesh/mesh_bunny.h"
 #endif
 
+#include <utility>
+
 namespace
 {
 constexpr int s_starts = 10;
@@ -30,6 +32,32 @@ btTransform At(const btVector3& place, const btVector3& axis = btVector3(0, 1, 0
     return btTransform(btQuaternion(axis, angle), place);
 }
 
+/// Throws a body of this shape, which the model has, at 100 m/s onto a resting one. Returns the two, the resting one
+/// first.
+std::pair<btRigidBody*, btRigidBody*> ThrowOntoAnother(qcMeshWorld* world, btCollisionShape* shape,
+                                                       const qcModel& model, int start, int* limited)
+{
+    world->world.setGravity(btVector3(0, 0, 0));
+    btRigidBody* target = world->Add(shape, 1, At(btVector3(0, 0, 0)));
+    btRigidBody* thrown = world->Add(shape, 1,
+                                     At(btVector3(Jitter(start, 0), 3 + Jitter(start, 1), Jitter(start, 2)),
+                                        btVector3(1, 0, btScalar(0.3)).normalized(), Jitter(start, 3)));
+    thrown->setLinearVelocity(btVector3(0, -100, 0));
+    qcMotionOracle oracle;
+    oracle.Add(model, target);
+    oracle.Add(model, thrown);
+    const double energy = world->KineticEnergy();
+    for (int step = 0; step < 30; step++)
+    {
+        world->Step();
+        *limited += world->contact.getStatistics().limited;
+        ck_assert_int_eq(world->contact.getStatistics().unproven, 0);
+        ck_assert_uint_eq(oracle.Count(), 0);
+        ck_assert_double_le(world->KineticEnergy(), energy * s_drift);
+    }
+    return {target, thrown};
+}
+
 START_TEST(a_thrown_sheet_of_two_triangles_does_not_pass_another)
 {
     qcModel sheet = SheetModel();
@@ -37,25 +65,8 @@ START_TEST(a_thrown_sheet_of_two_triangles_does_not_pass_another)
     for (int start = 0; start < s_starts; start++)
     {
         qcMeshWorld world;
-        world.world.setGravity(btVector3(0, 0, 0));
-        qcMotionOracle oracle;
         btCollisionShape* shape = world.Keep(sheet.MakeShape());
-        btRigidBody* target = world.Add(shape, 1, At(btVector3(0, 0, 0)));
-        btRigidBody* thrown = world.Add(shape, 1,
-                                        At(btVector3(Jitter(start, 0), 3 + Jitter(start, 1), Jitter(start, 2)),
-                                           btVector3(1, 0, btScalar(0.3)).normalized(), Jitter(start, 3)));
-        thrown->setLinearVelocity(btVector3(0, -100, 0));
-        oracle.Add(sheet, target);
-        oracle.Add(sheet, thrown);
-        double energy = world.KineticEnergy();
-        for (int step = 0; step < 30; step++)
-        {
-            world.Step();
-            limited += world.contact.getStatistics().limited;
-            ck_assert_int_eq(world.contact.getStatistics().unproven, 0);
-            ck_assert_uint_eq(oracle.Count(), 0);
-            ck_assert_double_le(world.KineticEnergy(), energy * s_drift);
-        }
+        auto [target, thrown] = ThrowOntoAnother(&world, shape, sheet, start, &limited);
         // It takes the other one along, and does not stop in the air.
         ck_assert_double_lt(double(target->getLinearVelocity().y()), -20);
         ck_assert_double_gt(double(target->getLinearVelocity().y() + thrown->getLinearVelocity().y()), -101);
@@ -81,29 +92,12 @@ START_TEST(thin_sheets_in_compounds_do_not_pass_each_other)
     for (int start = 0; start < s_starts; start++)
     {
         qcMeshWorld world;
-        world.world.setGravity(btVector3(0, 0, 0));
         btCollisionShape* sheet = world.Keep(SheetModel().MakeShape());
         auto* compound = new btCompoundShape;
         for (const btTransform& place : places)
             compound->addChildShape(place, sheet);
         world.Keep(std::unique_ptr<btCollisionShape>(compound));
-        btRigidBody* target = world.Add(compound, 1, At(btVector3(0, 0, 0)));
-        btRigidBody* thrown = world.Add(compound, 1,
-                                        At(btVector3(Jitter(start, 0), 3 + Jitter(start, 1), Jitter(start, 2)),
-                                           btVector3(1, 0, btScalar(0.3)).normalized(), Jitter(start, 3)));
-        thrown->setLinearVelocity(btVector3(0, -100, 0));
-        qcMotionOracle oracle;
-        oracle.Add(both, target);
-        oracle.Add(both, thrown);
-        double energy = world.KineticEnergy();
-        for (int step = 0; step < 30; step++)
-        {
-            world.Step();
-            limited += world.contact.getStatistics().limited;
-            ck_assert_int_eq(world.contact.getStatistics().unproven, 0);
-            ck_assert_uint_eq(oracle.Count(), 0);
-            ck_assert_double_le(world.KineticEnergy(), energy * s_drift);
-        }
+        const btRigidBody* target = ThrowOntoAnother(&world, compound, both, start, &limited).first;
         ck_assert_double_lt(double(target->getLinearVelocity().y()), -20);
     }
     ck_assert_int_gt(limited, 0);

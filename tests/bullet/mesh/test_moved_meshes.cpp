@@ -2,6 +2,8 @@
 #include "bullet/mesh/mesh_world.h"
 #include "bullet/mesh/moved_mesh.h"
 
+#include <BulletCollision/CollisionShapes/btCompoundShape.h>
+
 // After the standard headers: check defines a macro named fail.
 #include "bullet/mesh/motion_oracle.h"
 
@@ -82,6 +84,32 @@ START_TEST(meshes_go_with_terrain_that_rises_at_any_speed)
             for (size_t i = 0; i < scene.loose.size(); i++)
                 ck_assert_double_eq_tol(scene.HeightOf(i) - before, 8 * double(rise), 0.005);
         }
+}
+END_TEST
+
+/// A step reads such a compound twice: for its mesh, then for its convex shapes.
+START_TEST(terrain_in_a_kinematic_compound_takes_meshes_along)
+{
+    btCompoundShape compound;
+    MovedWorld scene(qcFloorModel(3, 20), true, Plate());
+    compound.addChildShape(btTransform::getIdentity(), scene.mesh.shape.get());
+    scene.moved->setCollisionShape(&compound);
+    scene.moved->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+    scene.AddLoose(btVector3(0, btScalar(0.125), 0));
+    scene.Step(120);
+    scene.oracle.Count();
+    const double before = scene.HeightOf(0);
+    const btScalar rise = btScalar(0.15);
+    for (int step = 0; step < 8; step++)
+    {
+        scene.Move(qcLift(rise), step);
+        compound.updateChildTransform(0, btTransform::getIdentity());
+        scene.world.updateSingleAabb(scene.moved);
+        scene.StepApart(step);
+    }
+    for (int step = 0; step < 120; step++)
+        scene.StepApart(step);
+    ck_assert_double_eq_tol(scene.HeightOf(0) - before, 8 * double(rise), 0.005);
 }
 END_TEST
 
@@ -202,6 +230,7 @@ END_TEST
 } // namespace
 
 QC_RUN_TESTS("moved_meshes", meshes_go_with_terrain_that_rises_at_any_speed,
-             waves_spikes_and_noise_of_terrain_pass_no_mesh, an_arm_that_swings_in_from_afar_passes_no_mesh,
-             a_mesh_that_is_put_elsewhere_leaves_others_where_they_are, a_finer_mesh_in_its_place_moves_nothing,
-             terrain_that_has_sunk_holds_what_is_thrown_at_it, a_mesh_that_has_no_room_or_is_locked_is_counted)
+             terrain_in_a_kinematic_compound_takes_meshes_along, waves_spikes_and_noise_of_terrain_pass_no_mesh,
+             an_arm_that_swings_in_from_afar_passes_no_mesh, a_mesh_that_is_put_elsewhere_leaves_others_where_they_are,
+             a_finer_mesh_in_its_place_moves_nothing, terrain_that_has_sunk_holds_what_is_thrown_at_it,
+             a_mesh_that_has_no_room_or_is_locked_is_counted)

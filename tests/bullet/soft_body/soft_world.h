@@ -87,6 +87,16 @@ struct qcSoftWorld
         return AddBody(KeepMesh(model), mass, at);
     }
 
+    /// Adds a soft body, 1 cm thick, with four iterations of its links.
+    btSoftBody* AddThin(btSoftBody* soft)
+    {
+        soft->m_cfg.piterations = 4;
+        soft->getCollisionShape()->setMargin(btScalar(0.01));
+        world.addSoftBody(soft);
+        cloths.push_back(soft);
+        return soft;
+    }
+
     /// A quadrilateral of cloth between corners as btSoftBodyHelpers::CreatePatch has them: 0.3 kg, 1 cm thick.
     btSoftBody* AddPatch(const btVector3& corner00, const btVector3& corner10, const btVector3& corner01,
                          const btVector3& corner11, int nodesAlong, int nodesAcross, double friction)

@@ -22,11 +22,7 @@ struct qcTangledWorld : qcSoftWorld
                                                            btVector3(halfX, 0, -halfZ), btVector3(-halfX, 0, halfZ),
                                                            btVector3(halfX, 0, halfZ), n, m, 0, true);
         cloth->setTotalMass(1);
-        cloth->m_cfg.piterations = 4;
-        cloth->getCollisionShape()->setMargin(btScalar(0.01));
-        world.addSoftBody(cloth);
-        cloths.push_back(cloth);
-        return cloth;
+        return AddThin(cloth);
     }
 
     btSoftBody* AddBall(const btVector3& center, btScalar radius, int nodes)
@@ -35,11 +31,7 @@ struct qcTangledWorld : qcSoftWorld
             btSoftBodyHelpers::CreateEllipsoid(world.getWorldInfo(), center, btVector3(radius, radius, radius), nodes);
         ball->generateBendingConstraints(2);
         ball->setTotalMass(1, true);
-        ball->m_cfg.piterations = 4;
-        ball->getCollisionShape()->setMargin(btScalar(0.01));
-        world.addSoftBody(ball);
-        cloths.push_back(ball);
-        return ball;
+        return AddThin(ball);
     }
 
     void Step()

@@ -31,11 +31,7 @@ struct FlyingWorld : qcSoftWorld
                                                            btVector3(half, y, -half), btVector3(-half, y, half),
                                                            btVector3(half, y + tilt, half), nodes, nodes, 0, true);
         cloth->setTotalMass(1);
-        cloth->m_cfg.piterations = 4;
-        cloth->getCollisionShape()->setMargin(btScalar(0.01));
-        world.addSoftBody(cloth);
-        cloths.push_back(cloth);
-        return cloth;
+        return AddThin(cloth);
     }
 
     btScalar Energy() const
