@@ -176,6 +176,8 @@ btScalar qcSweptObjects::TravelNear(const btCollisionObject* object) const
     const btScalar own = multibody != nullptr
                              ? qcDisplacementBound(multibody->StartOf(object), object->getWorldTransform(), radius)
                              : qcRigidMotion(object).MaxSpeed(radius) * m_timeStep;
+    if (m_movingMeshes.IsEmpty())
+        return own;
     btVector3 lower, upper;
     shape->getAabb(object->getWorldTransform(), lower, upper);
     const btVector3 around(own, own, own);

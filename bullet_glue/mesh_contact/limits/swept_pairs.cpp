@@ -23,7 +23,7 @@ bool IsLeftOut(btCollisionWorld* world, const qcSweptObject& a, const qcSweptObj
 /// True if Bullet would make contact between the two.
 bool Collide(btCollisionWorld* world, const qcSweptObject& a, const qcSweptObject& b)
 {
-    if (!(a.IsFree() || b.IsFree() || a.isHeld || b.isHeld) || !a.hasMesh || !b.hasMesh || !(a.isOurs || b.isOurs))
+    if (!(a.IsFree() || b.IsFree() || a.isHeld || b.isHeld) || !a.hasMesh || !b.hasMesh)
         return false;
     if (a.owner != nullptr && a.owner == b.owner)
         return false;
@@ -51,8 +51,8 @@ void qcFindSweptPairs(btCollisionWorld* world, const std::vector<qcSweptObject*>
     {
         if (a->number > b->number)
             std::swap(a, b);
-        if (!(a->isUnmoved && b->isUnmoved) && TestAabbAgainstAabb2(a->lower, a->upper, b->lower, b->upper) &&
-            Collide(world, *a, *b))
+        if ((a->isOurs || b->isOurs) && !(a->isUnmoved && b->isUnmoved) &&
+            TestAabbAgainstAabb2(a->lower, a->upper, b->lower, b->upper) && Collide(world, *a, *b))
         {
             a->isPaired = b->isPaired = true;
             pairs->emplace_back(a, b);
