@@ -112,10 +112,10 @@ std::vector<qcSweptSource> qcCollectSwept(const btCollisionShape* shape, qcConve
     return swept;
 }
 
-std::vector<qcSweptMesh> qcReadSweptMeshes(const std::vector<qcSweptSource>& present, bool keeps)
+std::vector<qcSweptMesh> qcReadSweptMeshes(const std::vector<qcSweptSource>& present)
 {
     std::vector<qcSweptMesh> meshes;
     for (const qcSweptSource& source : present)
-        meshes.emplace_back(source, keeps);
+        meshes.emplace_back(source, true);
     return meshes;
 }

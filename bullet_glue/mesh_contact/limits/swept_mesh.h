@@ -58,7 +58,7 @@ struct qcSweptMesh : qcMeshBody
 /// The meshes of a shape and, unless these are null, the cores and inner cores of its convex shapes.
 std::vector<qcSweptSource> qcCollectSwept(const btCollisionShape* shape, qcConvexCores* cores,
                                           qcConvexCores* innerCores);
-/// Reads these meshes.
-std::vector<qcSweptMesh> qcReadSweptMeshes(const std::vector<qcSweptSource>& present, bool keeps);
+/// Reads these meshes, which may deform in a later step.
+std::vector<qcSweptMesh> qcReadSweptMeshes(const std::vector<qcSweptSource>& present);
 
 #endif

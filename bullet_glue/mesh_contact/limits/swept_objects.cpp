@@ -98,7 +98,7 @@ void qcSweptObjects::KeepTriangles(const btCollisionObject* object)
 {
     qcSweptObject* swept = Add(object);
     if (swept->meshes.empty())
-        swept->meshes = qcReadSweptMeshes(qcCollectSwept(object->getCollisionShape(), nullptr, nullptr), true);
+        swept->meshes = qcReadSweptMeshes(qcCollectSwept(object->getCollisionShape(), nullptr, nullptr));
 }
 
 void qcSweptObjects::InvalidateShape(const btCollisionShape* shape)
@@ -133,7 +133,7 @@ void qcSweptObjects::ReadTriangles(qcSweptObject* swept, qcScene* scene) const
     if (revision == 0 || (revision == swept->revision && !hasChanged))
         return;
     std::vector<qcSweptMesh> last =
-        qcReadSweptMeshes(qcCollectSwept(swept->object->getCollisionShape(), nullptr, nullptr), true);
+        qcReadSweptMeshes(qcCollectSwept(swept->object->getCollisionShape(), nullptr, nullptr));
     last.swap(swept->meshes);
     for (size_t i = 0; i < std::min(last.size(), swept->meshes.size()); i++)
         swept->meshes[i].DeformFrom(&last[i]);

@@ -34,12 +34,14 @@ qcStatus qcSweptScene::AddMeshes(qcSweptObject* swept)
         return mesh.part == now.part && mesh.shape == now.mesh.shape && qcAreSame(mesh.local, now.mesh.transform) &&
                mesh.revision == qcMeshRevision(now.mesh.shape);
     };
-    if (!std::equal(swept->meshes.begin(), swept->meshes.end(), present.begin(), present.end(), isSame))
-    {
-        for (qcSweptMesh& mesh : swept->meshes)
-            mesh.RemoveFrom(m_scene);
-        swept->meshes = qcReadSweptMeshes(present, swept->body == nullptr);
-    }
+    // Convex shapes join the meshes only while they may pass one: those that are there go on, with their motion.
+    const auto [firstOther, firstNew] =
+        std::mismatch(swept->meshes.begin(), swept->meshes.end(), present.begin(), present.end(), isSame);
+    for (auto mesh = firstOther; mesh != swept->meshes.end(); ++mesh)
+        mesh->RemoveFrom(m_scene);
+    swept->meshes.erase(firstOther, swept->meshes.end());
+    for (auto source = firstNew; source != present.end(); ++source)
+        swept->meshes.emplace_back(*source, swept->body == nullptr);
     for (size_t i = 0; i < swept->meshes.size(); i++)
     {
         qcSweptMesh& mesh = swept->meshes[i];

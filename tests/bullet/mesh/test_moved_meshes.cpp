@@ -2,6 +2,7 @@
 #include "bullet/mesh/mesh_world.h"
 #include "bullet/mesh/moved_mesh.h"
 
+#include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
 
 // After the standard headers: check defines a macro named fail.
@@ -88,11 +89,14 @@ START_TEST(meshes_go_with_terrain_that_rises_at_any_speed)
 END_TEST
 
 /// A step reads such a compound twice: for its mesh, then for its convex shapes.
-START_TEST(terrain_in_a_kinematic_compound_takes_meshes_along)
+static void LiftCompound(bool hasBox)
 {
     btCompoundShape compound;
+    btBoxShape box(btVector3(1, 1, 1));
     MovedWorld scene(qcFloorModel(3, 20), true, Plate());
     compound.addChildShape(btTransform::getIdentity(), scene.mesh.shape.get());
+    if (hasBox)
+        compound.addChildShape(btTransform(btQuaternion::getIdentity(), btVector3(0, -4, 0)), &box);
     scene.moved->setCollisionShape(&compound);
     scene.moved->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
     scene.AddLoose(btVector3(0, btScalar(0.125), 0));
@@ -110,6 +114,12 @@ START_TEST(terrain_in_a_kinematic_compound_takes_meshes_along)
     for (int step = 0; step < 120; step++)
         scene.StepApart(step);
     ck_assert_double_eq_tol(scene.HeightOf(0) - before, 8 * double(rise), 0.005);
+}
+
+START_TEST(terrain_in_a_kinematic_compound_takes_meshes_along)
+{
+    LiftCompound(false);
+    LiftCompound(true);
 }
 END_TEST
 
