@@ -5,9 +5,8 @@
 
 #include <BulletCollision/CollisionShapes/btCollisionShape.h>
 
-#include <algorithm>
 #include <cstdint>
-#include <vector>
+#include <unordered_set>
 
 /// Revision of a mesh whose shape has changed since the mesh was read. No shape has it; see qcMeshRevision.
 constexpr uint64_t qcStaleRevision = 0;
@@ -17,12 +16,11 @@ class qcChangedShapes
   public:
     void Add(const btCollisionShape* shape)
     {
-        if (!Has(shape))
-            m_shapes.push_back(shape);
+        m_shapes.insert(shape);
     }
     bool Has(const btCollisionShape* shape) const
     {
-        return std::find(m_shapes.begin(), m_shapes.end(), shape) != m_shapes.end();
+        return m_shapes.count(shape) > 0;
     }
     /// All objects have been read.
     void Clear()
@@ -31,7 +29,7 @@ class qcChangedShapes
     }
 
   private:
-    std::vector<const btCollisionShape*> m_shapes;
+    std::unordered_set<const btCollisionShape*> m_shapes;
 };
 
 #endif

@@ -328,7 +328,7 @@ typedef struct qcDetectDef
     /// rather than its triangles. A region of contact may then have several manifolds. Pairs are reported as ever; with
     /// `proximities` it has no effect. 0: all pairs count.
     double spacing;
-    /// The max number of triangle pairs that the step may hold at any stage: candidates, pairs listed for contacts,
+    /// The largest number of triangle pairs that the step may hold at any stage: candidates, pairs listed for contacts,
     /// results. A bound for memory: a pair takes at most some 68 bytes until it is reported, without contacts,
     /// segments, proximities and manifolds. With more pairs qcScene_Detect returns qc_statusTooManyPairs. 0: no limit.
     uint64_t maxPairs;

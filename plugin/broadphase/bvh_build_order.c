@@ -133,7 +133,7 @@ __attribute__((aligned(64))) static void Split(qcBoxItem* items, size_t first, s
 
 //  ---- sizes -----------------------------------------------------------------------------------------
 
-/// Exponent of the longest edge; the max exponent for an infinite edge.
+/// Exponent of the longest edge; the largest exponent for an infinite edge.
 static uint32_t SizeExponent(const qcFloatBox* box)
 {
     float longest = 0.0f;

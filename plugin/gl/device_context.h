@@ -29,7 +29,7 @@ const char* qcDeviceKind_Name(qcDeviceKind kind);
 /// Opens a context of the kind and the choice, and leaves it current. qc_statusDevice: nothing is left open.
 qcStatus qcDeviceContext_Open(qcDeviceContext* c);
 /// Opens a context in place of one that is closed. qc_statusDevice: nothing is left open; there may be another GPU,
-/// which does not do, since the host may hold strings of qcDeviceInfo.
+/// which is refused, since the host may hold strings of qcDeviceInfo.
 qcStatus qcDeviceContext_OpenAgain(qcDeviceContext* c);
 /// Nothing while the process ends: drivers' own handlers have run, or are about to.
 void qcDeviceContext_Close(qcDeviceContext* c);

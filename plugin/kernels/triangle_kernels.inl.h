@@ -72,7 +72,7 @@ static void TransformVertices(const qcLatticeTransform* lattice, const qcVertexR
                   : TransformRange(lattice, range, false, false, false, points, rows);
 }
 
-/// Roundings are monotone: the levels of the min and the max coordinates are those of the box around all rows.
+/// Roundings are monotone: the levels of the smallest and the largest coordinates are those of the box around all rows.
 QC_INLINE void BoundRange(const qcLatticeTransform* lattice, const qcVertexSource* source, bool isFloat,
                           const qcNodeVertices* vertices, size_t first, size_t end, qcBoxRow* rows)
 {

@@ -36,7 +36,7 @@ QC_INLINE void ProjectFan(const qcPoint* points, const uint32_t* vertices, uint3
 }
 
 /// Points i and k of the ring are farther from each other's ray than the query distance. `cross`: their cross product;
-/// `rounding`: the max error of it.
+/// `rounding`: the largest error of it.
 QC_INLINE Ints AreOffRays(const FanLanes* fan, uint32_t i, uint32_t k, Floats cross, float query, Floats rounding)
 {
     const Floats zero = {0};

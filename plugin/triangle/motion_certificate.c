@@ -62,7 +62,7 @@ static bool MakeRelative(const double a[3][3], const double b[3][3], qcVector re
     return true;
 }
 
-/// The min product of a difference with `v`; `support` receives that difference.
+/// The smallest product of a difference with `v`; `support` receives that difference.
 static double FindSupport(const RelativeCorners* r, qcVector v, qcVector* support)
 {
     double min = DBL_MAX;

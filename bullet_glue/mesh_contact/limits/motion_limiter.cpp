@@ -56,7 +56,7 @@ bool qcMotionLimiter::AreInEachOther(const qcSweptObject& a, const qcSweptObject
                      s_axisError * (a.hull->Radius() + b.hull->Radius());
 }
 
-/// Classifies two triangles at the start of the step.
+/// How two triangles meet at the start of the step.
 qcMotionLimiter::Meeting qcMotionLimiter::FindMeeting(const qcPair& pair, const qcSweptTriangles& triangles) const
 {
     const qcSweptObject &a = *triangles.a.swept, &b = *triangles.b.swept;

@@ -65,7 +65,8 @@ struct Yield
         linear = by.linear;
         angular = by.angular;
         along = direction.dot(linear) + direction.dot(angular.cross(arm));
-        // A floor bears the body that lies on it and is pushed against it: the body neither sinks nor tilts.
+        // A body that lies on a floor and is pushed into it: the floor does not give way, the body neither sinks nor
+        // tilts.
         for (const qcSweptFloor& floor : swept.floors)
             if (direction.dot(floor.normal) < 0 && floor.HeightOf(*swept.hull, swept.end) <= 0)
             {

@@ -117,6 +117,8 @@ void qcSweptObjects::InvalidateShape(const btCollisionShape* shape)
 /// in this step, if the previous one had read them.
 void qcSweptObjects::ReadTriangles(qcSweptObject* swept, qcScene* scene) const
 {
+    if (swept->body != nullptr)
+        swept->revision = qcStaleRevision;
     if (swept->body != nullptr || !swept->hasMesh)
         return;
     uint64_t revision = 0;

@@ -1,4 +1,4 @@
-// The triangles of an object that limits test.
+// The triangles of an object that are swept.
 #include "mesh_contact/limits/swept_shape.h"
 
 void qcSweptShape::ReadCores(const btCollisionShape* shape)

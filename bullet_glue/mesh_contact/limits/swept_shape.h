@@ -1,4 +1,4 @@
-// The triangles of an object that limits test: its meshes, and cores of its convex shapes.
+// The triangles of an object that are swept: its meshes, and cores of its convex shapes.
 #ifndef QC_GLUE_MESH_CONTACT_LIMITS_SWEPT_SHAPE_H
 #define QC_GLUE_MESH_CONTACT_LIMITS_SWEPT_SHAPE_H
 

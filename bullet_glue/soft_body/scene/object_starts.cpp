@@ -23,13 +23,12 @@ bool IsDynamic(const btCollisionObject* object)
     return (btRigidBody::upcast(object) != nullptr || IsLink(object)) && !object->isStaticOrKinematicObject();
 }
 
-/// True if the object is at a finite transform, with finite velocities. Those of a static one are not used away from
-/// soft bodies.
+/// True if the object is at a finite transform, with finite velocities.
 bool RestsAt(const btTransform& at, const btCollisionObject& object)
 {
     if (!qcAreSame(at, object.getWorldTransform()))
         return false;
-    const btRigidBody* body = object.isStaticObject() ? nullptr : btRigidBody::upcast(&object);
+    const btRigidBody* body = btRigidBody::upcast(&object);
     return body == nullptr || (qcIsFinite(body->getLinearVelocity()) && qcIsFinite(body->getAngularVelocity()));
 }
 } // namespace
@@ -107,8 +106,9 @@ void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep, co
     ReadState(object, &state, isNew, timeStep, limits);
     place->rests =
         qcAreSame(state.start, now) && state.motion.isZero() && (!IsDynamic(object) || qcAreSame(state.begin, now));
+    // The beginning isn't read while it rests, even if the application makes it dynamic meanwhile.
     if (place->rests)
-        place->at = now;
+        place->at = state.begin = now;
 }
 
 void qcObjectStarts::ReadState(btCollisionObject* object, State* read, bool isNew, btScalar timeStep,

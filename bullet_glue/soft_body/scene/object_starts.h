@@ -84,7 +84,8 @@ class qcObjectStarts
     struct State
     {
         btTransform start = btTransform::getIdentity(); ///< of the step
-        btTransform begin = start; ///< of the step as the application has left it, for bodies that Bullet moves
+        btTransform begin =
+            start; ///< of the step as the application has left it: of bodies that Bullet moves, and of all that rest
         btTransform end = start;   ///< of the step; before Read that of the previous one
         btVector3 motion{0, 0, 0}; ///< of the origin in the step
         uint64_t step = 0;         ///< the last one that has read the object; that of a resting one is older

@@ -112,7 +112,7 @@ qcStatus qcPictureSpace_Place(const qcPictureDef* def, qcPictureSpace* space)
     return qc_statusOk;
 }
 
-/// The min depth at which a corner of the picture shows the ground.
+/// The smallest depth at which a corner of the picture shows the ground.
 static float NearestGround(const qcPictureSpace* space)
 {
     float nearest = INFINITY;

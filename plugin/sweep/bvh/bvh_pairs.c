@@ -29,8 +29,8 @@ enum
     // A search of so many already takes memory for all threads: in a later step the same bodies may be searched by
     // them, and which step that is depends on measured times. Memory would grow in a scene at rest.
     qc_minThreadsMemory = 256,
-    // Searches that are prepared together, in about ten microseconds, and the min number of blocks that is worth waking
-    // a thread for.
+    // Searches that are prepared together, in about ten microseconds, and the smallest number of blocks that is worth
+    // waking a thread for.
     qc_searchBlock = 16,
     qc_minSearchBlocks = 8,
     // Clusters of a BVH that exceeds the cache next to a core: 1.5 MB. A dragon of 871 K triangles takes 5 % less with

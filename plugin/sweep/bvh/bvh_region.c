@@ -43,7 +43,7 @@ qcStatus qcBvhRegion_SetReference(qcBvhRegion* region, const qcBody* body)
     return qc_statusOk;
 }
 
-/// The max difference of two rows of floats.
+/// The largest difference of two rows of floats.
 static double FindFloatDifference(const float* a, const float* b, size_t count)
 {
     qcFourFloats low = {0.0f, 0.0f, 0.0f, 0.0f}, high = low;

@@ -143,6 +143,12 @@ struct World
             transform.setBasis(transform.getBasis() * btMatrix3x3(btQuaternion(btVector3(0, 1, 0), btScalar(size))));
     }
 
+    /// A flag by which an application holds a dynamic body.
+    int RandomHold()
+    {
+        return Chance(0.5) ? btCollisionObject::CF_KINEMATIC_OBJECT : btCollisionObject::CF_STATIC_OBJECT;
+    }
+
     /// What an application does between two steps.
     void Change()
     {
@@ -168,6 +174,8 @@ struct World
                 each->body.setLinearVelocity(random.Vector(3));
             if (Chance(0.2))
                 each->body.setLinearVelocity(btVector3(0, 0, 0));
+            if (Chance(0.05) && each->body.getInvMass() > 0)
+                each->body.setCollisionFlags(each->body.getCollisionFlags() ^ RandomHold());
         }
     }
 

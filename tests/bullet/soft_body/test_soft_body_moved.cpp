@@ -428,6 +428,40 @@ START_TEST(a_body_that_the_tick_callback_removes_holds_nothing)
 }
 END_TEST
 
+/// A box is held by a flag where it has not been before, and thrown at a curtain from there.
+START_TEST(a_box_that_is_held_and_then_thrown_is_caught)
+{
+    const int hold = _i == 0 ? btCollisionObject::CF_KINEMATIC_OBJECT : btCollisionObject::CF_STATIC_OBJECT;
+    qcSoftWorld scene;
+    scene.SetGravity(btVector3(0, 0, 0));
+    btSoftBody* curtain =
+        scene.AddPatch(btVector3(2, -2, -2), btVector3(2, 2, -2), btVector3(2, -2, 2), btVector3(2, 2, 2), 17, 17, 0.5);
+    for (int i = 0; i < curtain->m_nodes.size(); i++)
+        if (btFabs(curtain->m_nodes[i].m_x.y()) > btScalar(1.99))
+            curtain->setMass(i, 0);
+    btBoxShape shape(btVector3(btScalar(0.4), btScalar(0.4), btScalar(0.4)));
+    btRigidBody* box = scene.AddBody(&shape, btScalar(0.2), btVector3(-5, 0, 0));
+    box->setActivationState(DISABLE_DEACTIVATION);
+    curtain->setActivationState(DISABLE_DEACTIVATION);
+    for (int step = 0; step < 9; step++)
+    {
+        if (step == 4)
+        {
+            const btTransform at(btQuaternion::getIdentity(), btVector3(btScalar(1.4), 0, 0));
+            box->setCollisionFlags(box->getCollisionFlags() | hold);
+            box->setWorldTransform(at);
+            box->setInterpolationWorldTransform(at);
+        }
+        scene.world.stepSimulation(s_movedStep, 0);
+    }
+    box->setCollisionFlags(box->getCollisionFlags() & ~hold);
+    box->setLinearVelocity(btVector3(90, 0, 0));
+    for (int step = 0; step < 20; step++)
+        scene.world.stepSimulation(s_movedStep, 0);
+    ck_assert_double_lt(double(box->getWorldTransform().getOrigin().x()), 15); // 31 in free flight
+}
+END_TEST
+
 QC_TEST_MAIN()
 {
     TCase* tests = qcMakeCase("moved objects");
@@ -445,5 +479,6 @@ QC_TEST_MAIN()
     tcase_add_test(tests, a_new_origin_of_the_world_leaves_a_cloth_on_its_ground);
     tcase_add_test(tests, a_cloth_that_falls_asleep_above_a_mesh_passes_it_neither_then_nor_later);
     tcase_add_test(tests, a_body_that_the_tick_callback_removes_holds_nothing);
+    tcase_add_loop_test(tests, a_box_that_is_held_and_then_thrown_is_caught, 0, 2);
     return qcRunCase("moved objects", tests);
 }
