@@ -420,6 +420,7 @@ bool qcSoftBodyContact::Implementation::Resolve(btScalar timeStep)
 
 void qcSoftBodyContact::Implementation::DispatchCallbacks()
 {
+    scene.ReadVelocities();
     BT_PROFILE("qcSoftBodyContact callbacks");
     manifolds.DispatchCallbacks();
 }

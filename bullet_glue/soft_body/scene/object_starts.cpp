@@ -123,7 +123,7 @@ void qcObjectStarts::ReadState(btCollisionObject* object, State* read, bool isNe
         state.motion.setZero();
         return;
     }
-    const bool isShifted = m_shift.IsOf(state.end, isDynamic ? state.begin : now);
+    const bool isShifted = m_isRestored || m_shift.IsOf(state.end, isDynamic ? state.begin : now);
     if (isNew)
         state.start = now;
     else if (isShifted)

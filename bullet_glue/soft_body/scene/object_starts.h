@@ -35,6 +35,11 @@ class qcObjectStarts
     {
         m_shift = translation;
     }
+    /// True: whatever the application has moved since the previous step was put where it is.
+    void SetRestored(bool isRestored)
+    {
+        m_isRestored = isRestored;
+    }
     /// Reads the objects of the step, after Bullet has moved them, but those that are not finite. Objects that have
     /// left the broadphases are forgotten. `limits`: what they have moved is not put elsewhere; or null. O(objects).
     void Read(const qcBroadphases& broadphases, btScalar timeStep, const qcRigidLimits* limits);
@@ -122,7 +127,8 @@ class qcObjectStarts
     std::vector<Moved> m_moved;
     const btCollisionObject* m_notFinite = nullptr;
     qcTranslation m_shift; ///< see SetShift
-    size_t m_count = 0;    ///< objects read in this step
+    bool m_isRestored = false;
+    size_t m_count = 0; ///< objects read in this step
     uint64_t m_step = 0;
 };
 

@@ -46,6 +46,24 @@ bool qcSceneSoftBody::ReadApplied(btVector3 btSoftBody::Node::*member)
     return false;
 }
 
+void qcSceneSoftBody::FindRestored()
+{
+    isRestored = false;
+    const size_t count = size_t(NodeCount());
+    if (!hasEnd || positions.size() != count || velocities.size() != count)
+        return;
+    size_t free = 0, changed = 0;
+    for (size_t i = 0; i < count; i++)
+    {
+        const btSoftBody::Node& node = body->m_nodes[int(i)];
+        if (node.m_im <= 0)
+            continue;
+        free++;
+        changed += !qcAreSame(node.m_x, positions[i]) && !qcAreSame(node.m_v, velocities[i]);
+    }
+    isRestored = 2 * changed > free;
+}
+
 void qcSceneSoftBody::ReadAnchors()
 {
     pinned.clear();

@@ -68,12 +68,14 @@ struct qcSceneSoftBody
     bool startsWhereItEnded = false; ///< its state is that of the end of the previous step
     bool hasEnd = false;             ///< `positions` are those of the end of the previous step
     bool startsElsewhere = true;     ///< it is new, or was put elsewhere since
+    bool isRestored = false;         ///< see FindRestored
     /// Node positions at the start of the step: where the previous step left them, so that nodes that the application
     /// moves between two steps don't jump through anything. A body that it moves by more than half its size is put
     /// elsewhere, and starts there.
     std::vector<btVector3> start;
     /// How far the application has moved the nodes since the previous step; empty: none, or the body starts elsewhere.
     std::vector<btVector3> applied;
+    std::vector<btVector3> velocities;            ///< of the nodes at the end of the previous step
     std::vector<btVector3> solved;                ///< after Bullet's own solvers
     btVector3 solvedBox[2]{{0, 0, 0}, {0, 0, 0}}; ///< around `start` and `solved`
     bool hasSolvedBox = false;                    ///< there are nodes, and the box is finite
@@ -101,6 +103,9 @@ struct qcSceneSoftBody
     /// Reads how far the application has moved the nodes, in this member, since the end of the previous step. False:
     /// the body starts elsewhere, since a node is further from there than half the size that the body had.
     bool ReadApplied(btVector3 btSoftBody::Node::*member);
+    /// Finds out whether the application has restored another state since the end of the previous step, as a rollback
+    /// does: more than half of the nodes that Bullet moves have another position and another velocity.
+    void FindRestored();
     /// Reads which nodes are anchored, and which ones Bullet itself places at the end of each step.
     void ReadAnchors();
     /// Reads the positions after Bullet's own solvers, and finds the box of the motion from the start of the step.

@@ -122,8 +122,8 @@ void qcSoftBodyScene::ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::
     ApplySettings(tracked);
     // A body that Bullet does not simulate stays where it is.
     auto member = tracked.moves ? start : &btSoftBody::Node::m_x;
-    bool isNearEnd = tracked.ReadApplied(member) && !isShifted;
-    if (isShifted)
+    bool isNearEnd = tracked.ReadApplied(member) && !isShifted && !tracked.isRestored;
+    if (isShifted || tracked.isRestored)
         tracked.applied.clear();
     tracked.start.resize(size_t(tracked.NodeCount()));
     for (int n = 0; n < tracked.NodeCount() && !isNearEnd; n++)
@@ -153,12 +153,37 @@ void qcSoftBodyScene::BeginStep(const btAlignedObjectArray<btSoftBody*>& bodies)
 {
     const qcBroadphases broadphases = BroadphasesOf(bodies);
     meshes.BeginStep(broadphases);
+    FindRestored();
     WakeSwept(bodies, broadphases);
 }
 
 void qcSoftBodyScene::ReadBegin(const btAlignedObjectArray<btSoftBody*>& bodies)
 {
     meshes.ReadBegin(BroadphasesOf(bodies));
+}
+
+/// Where the application has restored all soft bodies that Bullet moves, it has restored the world: no object moves from
+/// the end of the previous step to its start.
+void qcSoftBodyScene::FindRestored()
+{
+    bool isAny = false, areAll = true;
+    for (qcSceneSoftBody& tracked : m_bodies)
+    {
+        tracked.FindRestored();
+        isAny = isAny || tracked.isRestored;
+        areAll = areAll && (tracked.isRestored || !tracked.body->isActive());
+    }
+    meshes.Starts().SetRestored(isAny && areAll);
+}
+
+void qcSoftBodyScene::ReadVelocities()
+{
+    for (qcSceneSoftBody& tracked : m_bodies)
+    {
+        tracked.velocities.resize(size_t(tracked.NodeCount()));
+        for (size_t n = 0; n < tracked.velocities.size(); n++)
+            tracked.velocities[n] = tracked.body->m_nodes[int(n)].m_v;
+    }
 }
 
 /// Wakes soft bodies near objects that the application moves. Bullet lets such objects run through those that sleep.
