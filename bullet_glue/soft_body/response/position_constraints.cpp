@@ -15,6 +15,10 @@
 
 namespace
 {
+// Parts of a body that were this share of the thickness apart, or more, when it was cut are layers that lie on each
+// other: the whole thickness keeps them apart.
+constexpr btScalar s_partedShare = btScalar(0.8);
+
 void AddNodes(qcSceneSoftBody& body, const uint32_t vertices[3], const double weights[3], btScalar sign,
               qcSoftConstraint* constraint)
 {
@@ -146,6 +150,18 @@ btVector3 PointOf(const qcSceneMesh& mesh, const uint32_t vertices[3], const dou
     return mesh.sceneTransform * point;
 }
 
+/// The thickness between two parts of a body that has been cut. The sides of a cut are at one place, and links around
+/// it hold them there: parts that were nearer than the thickness may come to half of the distance that they had.
+btScalar ThicknessBesideCut(const qcSoftContactView& view)
+{
+    btVector3 between(0, 0, 0);
+    for (int i = 0; i < 3; i++)
+        between += view.a->cutPositions[view.verticesA[i]] * btScalar(view.weightsA[i]) -
+                   view.a->cutPositions[view.verticesB[i]] * btScalar(view.weightsB[i]);
+    const btScalar distance = between.length();
+    return distance < s_partedShare * view.thickness ? distance / 2 : view.thickness;
+}
+
 /// True if Bullet's filters keep the bodies from colliding.
 bool AreFiltered(const btSoftBody* soft, const btCollisionObject* other)
 {
@@ -246,6 +262,8 @@ bool qcViewContact(qcSoftBodyScene& scene, const qcContact& contact, qcSoftConta
         view->thickness = (view->a->thickness + view->b->thickness) / 2;
         view->friction = (view->a->Friction() + view->b->Friction()) / 2;
         view->onB = PointOf(*view->b, view->verticesB, view->weightsB);
+        if (view->a == view->b && !view->a->cutPositions.empty())
+            view->thickness = ThicknessBesideCut(*view);
         return view->distance <= view->thickness && HaveResponse(*view->a, *view->b) &&
                !view->a->IsTiedTo(*view->b, view->verticesA, view->verticesB);
     }

@@ -69,6 +69,8 @@ struct qcSceneSoftBody
     bool hasEnd = false;             ///< `positions` are those of the end of the previous step
     bool startsElsewhere = true;     ///< it is new, or was put elsewhere since
     bool isRestored = false;         ///< see FindRestored
+    /// Node positions when the application last changed the topology, as by a cut; empty: it has not.
+    std::vector<btVector3> cutPositions;
     /// Node positions at the start of the step: where the previous step left them, so that nodes that the application
     /// moves between two steps don't jump through anything. A body that it moves by more than half its size is put
     /// elsewhere, and starts there.

@@ -42,12 +42,15 @@ qcBodyDef qcSoftBodyScene::DefOf(const btSoftBody* body) const
     return def;
 }
 
-qcStatus qcSoftBodyScene::Track(btSoftBody* body)
+qcStatus qcSoftBodyScene::Track(btSoftBody* body, btVector3 btSoftBody::Node::*start)
 {
     qcSceneSoftBody added;
     added.body = body;
     added.uniqueId = qcUniqueIdOf(body);
     added.topology = qcTopologyOf(body);
+    if (std::find(m_cut.begin(), m_cut.end(), body) != m_cut.end())
+        for (int n = 0; n < body->m_nodes.size(); n++)
+            added.cutPositions.push_back(body->m_nodes[n].*start);
     qcBodyDef def = DefOf(body);
     def.indices = added.topology.indices.data();
     def.triangleCount = uint32_t(added.topology.indices.size() / 3);
@@ -77,6 +80,8 @@ void qcSoftBodyScene::UntrackRemoved(const btAlignedObjectArray<btSoftBody*>& bo
             IsFinite(tracked.body, start))
             return false;
         qcScene_RemoveBody(m_scene, tracked.id);
+        if (same && !qcIsTopologyOf(tracked.topology, tracked.body))
+            m_cut.push_back(tracked.body);
         auto setting = m_settings.find(tracked.body);
         if (!same && setting != m_settings.end() && setting->second.uniqueId == tracked.uniqueId)
             m_settings.erase(setting);
@@ -162,8 +167,8 @@ void qcSoftBodyScene::ReadBegin(const btAlignedObjectArray<btSoftBody*>& bodies)
     meshes.ReadBegin(BroadphasesOf(bodies));
 }
 
-/// Where the application has restored all soft bodies that Bullet moves, it has restored the world: no object moves from
-/// the end of the previous step to its start.
+/// Where the application has restored all soft bodies that Bullet moves, it has restored the world: no object moves
+/// from the end of the previous step to its start.
 void qcSoftBodyScene::FindRestored()
 {
     bool isAny = false, areAll = true;
@@ -214,6 +219,7 @@ qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, 
     if (status != qc_statusOk)
         return status;
     notFinite = nullptr;
+    m_cut.clear();
     UntrackRemoved(bodies, start);
     for (int i = 0; i < bodies.size() && status == qc_statusOk; i++)
     {
@@ -226,7 +232,7 @@ qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, 
             LeaveOut(bodies[i]);
             continue;
         }
-        status = Track(bodies[i]);
+        status = Track(bodies[i], start);
     }
     const qcTranslation shift = FindShift(BroadphasesOf(bodies), start);
     meshes.Starts().SetShift(shift);

@@ -3,6 +3,7 @@
 #include "bullet/soft_body/soft_world.h"
 #include "bullet/soft_body/tetra_model.h"
 
+#include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <BulletSoftBody/btSoftBodyHelpers.h>
 
@@ -132,8 +133,32 @@ START_TEST(a_cloth_that_is_cut_and_loses_its_faces_stays_above_a_mesh)
     world.Step(120, 0);
 }
 END_TEST
+
+/// The sides of a cut are at one place, and the links that go on around it hold them there.
+START_TEST(a_cloth_that_is_cut_on_the_ground_rests)
+{
+    btBoxShape ground(btVector3(5, btScalar(0.5), 5));
+    qcSoftWorld scene;
+    scene.AddBody(&ground, 0, btVector3(0, btScalar(-0.5), 0));
+    btSoftBody* cloth = btSoftBodyHelpers::CreatePatch(scene.world.getWorldInfo(), btVector3(-1, btScalar(0.2), -1),
+                                                       btVector3(1, btScalar(0.2), -1), btVector3(-1, btScalar(0.2), 1),
+                                                       btVector3(1, btScalar(0.2), 1), 21, 21, 0, true);
+    cloth->m_cfg.piterations = 4;
+    cloth->setTotalMass(btScalar(0.5));
+    scene.world.addSoftBody(cloth);
+    scene.cloths.push_back(cloth);
+    for (int step = 0; step < 360; step++)
+    {
+        for (int row = 0; step == 120 && row < 20; row++)
+            ck_assert(cloth->cutLink(row * 21 + 10, row * 21 + 11, btScalar(0.5)));
+        scene.world.stepSimulation(btScalar(1) / 60, 0);
+        for (int i = 0; step >= 300 && i < cloth->m_nodes.size(); i++)
+            ck_assert_double_lt(double(cloth->m_nodes[i].m_v.length()), 0.1);
+    }
+}
+END_TEST
 } // namespace
 
-QC_RUN_TESTS("soft_body_nodes", a_rope_lies_on_a_mesh, tetrahedra_lie_on_a_mesh_with_faces_and_without,
-             a_node_inside_a_body_of_tetrahedra_is_not_held_by_a_mesh,
+QC_RUN_TESTS("soft_body_nodes", a_cloth_that_is_cut_on_the_ground_rests, a_rope_lies_on_a_mesh,
+             tetrahedra_lie_on_a_mesh_with_faces_and_without, a_node_inside_a_body_of_tetrahedra_is_not_held_by_a_mesh,
              a_cloth_that_is_cut_and_loses_its_faces_stays_above_a_mesh)
