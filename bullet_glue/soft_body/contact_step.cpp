@@ -420,7 +420,6 @@ bool qcSoftBodyContact::Implementation::Resolve(btScalar timeStep)
 
 void qcSoftBodyContact::Implementation::DispatchCallbacks()
 {
-    scene.ReadVelocities();
     BT_PROFILE("qcSoftBodyContact callbacks");
     manifolds.DispatchCallbacks();
 }

@@ -86,4 +86,5 @@ void qcDeformableWorld::integrateTransforms(btScalar timeStep)
         return;
     for (const qcSceneSoftBody& soft : my.scene.Bodies())
         MoveDeformableNodes(soft, timeStep);
+    my.scene.ReadVelocities();
 }

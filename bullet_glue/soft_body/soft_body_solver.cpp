@@ -85,6 +85,7 @@ void qcSoftBodySolver::solveConstraints(btScalar timeStep)
         return;
     for (const qcSceneSoftBody& soft : my.scene.Bodies())
         MoveNodes(soft);
+    my.scene.ReadVelocities();
 }
 
 void qcSoftBodySolver::updateSoftBodies()

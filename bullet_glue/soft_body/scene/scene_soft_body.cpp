@@ -48,8 +48,8 @@ bool qcSceneSoftBody::ReadApplied(btVector3 btSoftBody::Node::*member)
 
 void qcSceneSoftBody::FindRestored()
 {
-    isRestored = false;
     const size_t count = size_t(NodeCount());
+    isRestored = false;
     if (!hasEnd || positions.size() != count || velocities.size() != count)
         return;
     size_t free = 0, changed = 0;

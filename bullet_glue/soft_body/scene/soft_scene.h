@@ -38,7 +38,7 @@ class qcSoftBodyScene
     /// Sets the positions of the start of the step, and marks them as the start of the motion. Call it after
     /// ReadSolved.
     qcStatus MarkStart();
-    /// Reads the velocities of the nodes at the very end of the step, for qcSceneSoftBody::FindRestored.
+    /// Reads the velocities of the nodes at the end of the step, for qcSceneSoftBody::FindRestored.
     void ReadVelocities();
     /// Ends the step: the next one starts from the present positions (`solved`: from those after Bullet's own solvers),
     /// unless bodies are put elsewhere in between.
@@ -99,10 +99,11 @@ class qcSoftBodyScene
     qcStatus CreateScene();
     qcBodyDef DefOf(const btSoftBody* body) const;
     qcStatus Track(btSoftBody* body, btVector3 btSoftBody::Node::*start);
+    static bool IsThere(const btAlignedObjectArray<btSoftBody*>& bodies, const qcSceneSoftBody& tracked, int* next);
     void UntrackRemoved(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start);
     void LeaveOut(const btSoftBody* body);
     qcTranslation FindShift(const qcBroadphases& broadphases, btVector3 btSoftBody::Node::*start) const;
-    void FindRestored();
+    void FindRestored(const btAlignedObjectArray<btSoftBody*>& bodies);
     void ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::Node::*start, bool isShifted);
     qcSoftBodySettings TakeSettings(const qcSceneSoftBody& tracked);
     void ApplySettings(qcSceneSoftBody& tracked);

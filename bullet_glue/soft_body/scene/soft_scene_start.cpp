@@ -63,18 +63,25 @@ qcStatus qcSoftBodyScene::Track(btSoftBody* body, btVector3 btSoftBody::Node::*s
     return status;
 }
 
+/// True if a body is still in the array, by its address and its id: it may have been deleted. `next`: where it is, if
+/// those before it were found; both have the same order, but for bodies that are tracked anew.
+bool qcSoftBodyScene::IsThere(const btAlignedObjectArray<btSoftBody*>& bodies, const qcSceneSoftBody& tracked,
+                              int* next)
+{
+    const bool isNext = *next < bodies.size() && bodies[*next] == tracked.body;
+    *next += isNext;
+    return (isNext || bodies.findLinearSearch(tracked.body) < bodies.size()) &&
+           tracked.uniqueId == qcUniqueIdOf(tracked.body);
+}
+
 /// Removes the bodies that are not in the array, or no longer the same or finite.
 void qcSoftBodyScene::UntrackRemoved(const btAlignedObjectArray<btSoftBody*>& bodies,
                                      btVector3 btSoftBody::Node::*start)
 {
-    // Both have the same order, but for bodies that are tracked anew.
     int next = 0;
     auto isRemoved = [&](const qcSceneSoftBody& tracked)
     {
-        const bool isNext = next < bodies.size() && bodies[next] == tracked.body;
-        next += isNext;
-        bool same = (isNext || bodies.findLinearSearch(tracked.body) < bodies.size()) &&
-                    tracked.uniqueId == qcUniqueIdOf(tracked.body);
+        const bool same = IsThere(bodies, tracked, &next);
         if (same && tracked.start.size() == size_t(tracked.NodeCount()) &&
             qcIsTopologyOf(tracked.topology, tracked.body) && !qcIsScaled(tracked.topology, tracked.body) &&
             IsFinite(tracked.body, start))
@@ -158,7 +165,7 @@ void qcSoftBodyScene::BeginStep(const btAlignedObjectArray<btSoftBody*>& bodies)
 {
     const qcBroadphases broadphases = BroadphasesOf(bodies);
     meshes.BeginStep(broadphases);
-    FindRestored();
+    FindRestored(bodies);
     WakeSwept(bodies, broadphases);
 }
 
@@ -169,11 +176,15 @@ void qcSoftBodyScene::ReadBegin(const btAlignedObjectArray<btSoftBody*>& bodies)
 
 /// Where the application has restored all soft bodies that Bullet moves, it has restored the world: no object moves
 /// from the end of the previous step to its start.
-void qcSoftBodyScene::FindRestored()
+void qcSoftBodyScene::FindRestored(const btAlignedObjectArray<btSoftBody*>& bodies)
 {
     bool isAny = false, areAll = true;
+    int next = 0;
     for (qcSceneSoftBody& tracked : m_bodies)
     {
+        tracked.isRestored = false;
+        if (!IsThere(bodies, tracked, &next))
+            continue;
         tracked.FindRestored();
         isAny = isAny || tracked.isRestored;
         areAll = areAll && (tracked.isRestored || !tracked.body->isActive());
