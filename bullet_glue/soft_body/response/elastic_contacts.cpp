@@ -153,8 +153,7 @@ void qcElasticContacts::AddSpring(qcSoftBodyScene& scene, const Kept& kept, qcPr
     {
         const qcSceneSoftBody& soft = *softs[kept.sides[i]];
         // What the application moves is no motion to be held.
-        if (int(kept.nodes[i]) >= soft.NodeCount() || soft.isRestored ||
-            (!soft.applied.empty() && !soft.applied[kept.nodes[i]].isZero()))
+        if (int(kept.nodes[i]) >= soft.NodeCount() || soft.IsApplied(kept.nodes[i]))
             return;
         spring.nodes[i] = int(kept.nodes[i]);
         spring.weights[i] = kept.weights[i];

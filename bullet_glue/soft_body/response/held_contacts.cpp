@@ -20,9 +20,8 @@ btScalar SquaredWeights(const qcHeldContact& contact)
 /// True if the application has moved one of the contact's nodes since: Bullet would take that for a velocity.
 bool IsApplied(const qcSceneSoftBody& soft, const qcHeldContact& contact)
 {
-    return soft.isRestored ||
-           (!soft.applied.empty() && std::any_of(contact.nodes, contact.nodes + contact.count,
-                                                 [&](uint32_t node) { return !soft.applied[node].isZero(); }));
+    return std::any_of(contact.nodes, contact.nodes + contact.count,
+                       [&soft](uint32_t node) { return soft.IsApplied(node); });
 }
 
 btVector3 StartOf(const qcSceneSoftBody& soft, const qcHeldContact& contact)

@@ -134,31 +134,21 @@ void Orient(btScalar thickness, const btVector3& normal, bool atOnce, qcSoftCons
     constraint->missing = thickness - constraint->distance;
 }
 
-btVector3 PointOf(const qcSceneSoftBody& soft, const uint32_t vertices[3], const double weights[3])
+btVector3 PointOf(const btVector3* positions, const uint32_t vertices[3], const double weights[3])
 {
     btVector3 point(0, 0, 0);
     for (int i = 0; i < 3; i++)
-        point += btScalar(weights[i]) * soft.positions[vertices[i]];
+        point += btScalar(weights[i]) * positions[vertices[i]];
     return point;
-}
-
-btVector3 PointOf(const qcSceneMesh& mesh, const uint32_t vertices[3], const double weights[3])
-{
-    btVector3 point(0, 0, 0);
-    for (int i = 0; i < 3; i++)
-        point += btScalar(weights[i]) * mesh.shape->getVertices()[vertices[i]];
-    return mesh.sceneTransform * point;
 }
 
 /// The thickness between two parts of a body that has been cut. The sides of a cut are at one place, and links around
 /// it hold them there: parts that were nearer than the thickness may come to half of the distance that they had.
 btScalar ThicknessBesideCut(const qcSoftContactView& view)
 {
-    btVector3 between(0, 0, 0);
-    for (int i = 0; i < 3; i++)
-        between += view.a->cutPositions[view.verticesA[i]] * btScalar(view.weightsA[i]) -
-                   view.a->cutPositions[view.verticesB[i]] * btScalar(view.weightsB[i]);
-    const btScalar distance = between.length();
+    const btVector3* positions = view.a->cutPositions.data();
+    const btScalar distance =
+        PointOf(positions, view.verticesA, view.weightsA).distance(PointOf(positions, view.verticesB, view.weightsB));
     return distance < s_partedShare * view.thickness ? distance / 2 : view.thickness;
 }
 
@@ -256,12 +246,12 @@ bool qcViewContact(qcSoftBodyScene& scene, const qcContact& contact, qcSoftConta
     view->weightsB = swapped ? contact.weightsA : contact.weightsB;
     view->normal = swapped ? -qcVectorOf(contact.normal) : qcVectorOf(contact.normal);
     view->distance = btScalar(contact.distance);
-    view->onA = PointOf(*view->a, view->verticesA, view->weightsA);
+    view->onA = PointOf(view->a->positions.data(), view->verticesA, view->weightsA);
     if (view->b != nullptr)
     {
         view->thickness = (view->a->thickness + view->b->thickness) / 2;
         view->friction = (view->a->Friction() + view->b->Friction()) / 2;
-        view->onB = PointOf(*view->b, view->verticesB, view->weightsB);
+        view->onB = PointOf(view->b->positions.data(), view->verticesB, view->weightsB);
         if (view->a == view->b && !view->a->cutPositions.empty())
             view->thickness = ThicknessBesideCut(*view);
         return view->distance <= view->thickness && HaveResponse(*view->a, *view->b) &&
@@ -271,7 +261,7 @@ bool qcViewContact(qcSoftBodyScene& scene, const qcContact& contact, qcSoftConta
     view->mesh = &mesh;
     view->thickness = mesh.ContactDistance(view->a->thickness);
     view->friction = view->a->FrictionOn(*view->rigid->object);
-    view->onB = PointOf(mesh, view->verticesB, view->weightsB);
+    view->onB = mesh.sceneTransform * PointOf(mesh.shape->getVertices(), view->verticesB, view->weightsB);
     return view->distance <= view->thickness && qcHasResponse(*view->a, *view->rigid, mesh) &&
            !view->a->IsAnchored(view->verticesA, view->rigid->object);
 }

@@ -22,15 +22,6 @@ bool IsDynamic(const btCollisionObject* object)
 {
     return (btRigidBody::upcast(object) != nullptr || IsLink(object)) && !object->isStaticOrKinematicObject();
 }
-
-/// True if the object is at a finite transform, with finite velocities.
-bool RestsAt(const btTransform& at, const btCollisionObject& object)
-{
-    if (!qcAreSame(at, object.getWorldTransform()))
-        return false;
-    const btRigidBody* body = btRigidBody::upcast(&object);
-    return body == nullptr || (qcIsFinite(body->getLinearVelocity()) && qcIsFinite(body->getAngularVelocity()));
-}
 } // namespace
 
 /// The object, with the box of its motion from a transform to its present one.
@@ -160,7 +151,7 @@ void qcObjectStarts::BeginObject(const btCollisionObject* object, size_t index)
 {
     const btTransform& now = object->getWorldTransform();
     Place* place = FindPlace(object, index);
-    if (place != nullptr && place->rests && qcAreSame(place->at, now))
+    if (place != nullptr && place->RestsAt(now))
         return;
     bool isNew = false;
     State* state = place != nullptr ? place->state : nullptr;
@@ -204,20 +195,17 @@ void qcObjectStarts::Read(const qcBroadphases& broadphases, btScalar timeStep, c
     qcForEachObject(broadphases,
                     [this, timeStep, limits](btCollisionObject* object, btBroadphaseInterface* broadphase)
                     {
-                        const Place* place = FindPlace(object, m_present.size());
-                        if (place != nullptr && place->rests && RestsAt(place->at, *object))
-                        {
-                            m_present.push_back({object, broadphase});
-                            m_count++;
-                            return;
-                        }
                         if (!qcIsFinite(*object))
                         {
                             m_notFinite = object;
                             return;
                         }
+                        const Place* place = FindPlace(object, m_present.size());
                         m_present.push_back({object, broadphase});
-                        ReadObject(object, timeStep, limits);
+                        if (place != nullptr && place->RestsAt(object->getWorldTransform()))
+                            m_count++;
+                        else
+                            ReadObject(object, timeStep, limits);
                     });
     if (m_count != m_states.size())
         ForgetAbsent();

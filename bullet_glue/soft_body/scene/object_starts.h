@@ -104,6 +104,12 @@ class qcObjectStarts
         State* state;
         bool rests;     ///< it was at `at` from the beginning of the last step to its end
         btTransform at; ///< set if it rests
+
+        /// True if it rests, and is there.
+        bool RestsAt(const btTransform& now) const
+        {
+            return rests && qcAreSame(at, now);
+        }
     };
 
     struct Moved

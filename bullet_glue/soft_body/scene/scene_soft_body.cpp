@@ -46,6 +46,13 @@ bool qcSceneSoftBody::ReadApplied(btVector3 btSoftBody::Node::*member)
     return false;
 }
 
+void qcSceneSoftBody::ReadCut(btVector3 btSoftBody::Node::*member)
+{
+    cutPositions.clear();
+    for (int n = 0; n < NodeCount(); n++)
+        cutPositions.push_back(body->m_nodes[n].*member);
+}
+
 void qcSceneSoftBody::FindRestored()
 {
     const size_t count = size_t(NodeCount());

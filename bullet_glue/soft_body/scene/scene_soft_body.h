@@ -105,6 +105,13 @@ struct qcSceneSoftBody
     /// Reads how far the application has moved the nodes, in this member, since the end of the previous step. False:
     /// the body starts elsewhere, since a node is further from there than half the size that the body had.
     bool ReadApplied(btVector3 btSoftBody::Node::*member);
+    /// True if the application has moved the node since the previous step.
+    bool IsApplied(size_t node) const
+    {
+        return isRestored || (!applied.empty() && !applied[node].isZero());
+    }
+    /// The application has changed the topology: reads where the nodes, by this member, are now.
+    void ReadCut(btVector3 btSoftBody::Node::*member);
     /// Finds out whether the application has restored another state since the end of the previous step, as a rollback
     /// does: more than half of the nodes that Bullet moves have another position and another velocity.
     void FindRestored();

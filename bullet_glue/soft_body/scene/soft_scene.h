@@ -98,9 +98,10 @@ class qcSoftBodyScene
     void WakeSwept(const btAlignedObjectArray<btSoftBody*>& bodies, const qcBroadphases& broadphases);
     qcStatus CreateScene();
     qcBodyDef DefOf(const btSoftBody* body) const;
-    qcStatus Track(btSoftBody* body, btVector3 btSoftBody::Node::*start);
+    qcStatus Track(btSoftBody* body);
     static bool IsThere(const btAlignedObjectArray<btSoftBody*>& bodies, const qcSceneSoftBody& tracked, int* next);
-    void UntrackRemoved(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start);
+    std::vector<const btSoftBody*> UntrackRemoved(const btAlignedObjectArray<btSoftBody*>& bodies,
+                                                  btVector3 btSoftBody::Node::*start);
     void LeaveOut(const btSoftBody* body);
     qcTranslation FindShift(const qcBroadphases& broadphases, btVector3 btSoftBody::Node::*start) const;
     void FindRestored(const btAlignedObjectArray<btSoftBody*>& bodies);
@@ -125,7 +126,6 @@ class qcSoftBodyScene
     qcScene* m_scene = nullptr;
     std::vector<qcSceneSoftBody> m_bodies;
     std::vector<size_t> m_bodyOfSlot;
-    std::vector<const btSoftBody*> m_cut; ///< bodies whose topology has changed since the previous step
     std::map<const btSoftBody*, Setting> m_settings;
     std::vector<qcBodyId> m_leftOutWithin; ///< scratch of RunWithout
     qcMotionBoxes m_boxes;                 ///< scratch of FindPartners

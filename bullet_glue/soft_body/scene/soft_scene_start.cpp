@@ -42,15 +42,12 @@ qcBodyDef qcSoftBodyScene::DefOf(const btSoftBody* body) const
     return def;
 }
 
-qcStatus qcSoftBodyScene::Track(btSoftBody* body, btVector3 btSoftBody::Node::*start)
+qcStatus qcSoftBodyScene::Track(btSoftBody* body)
 {
     qcSceneSoftBody added;
     added.body = body;
     added.uniqueId = qcUniqueIdOf(body);
     added.topology = qcTopologyOf(body);
-    if (std::find(m_cut.begin(), m_cut.end(), body) != m_cut.end())
-        for (int n = 0; n < body->m_nodes.size(); n++)
-            added.cutPositions.push_back(body->m_nodes[n].*start);
     qcBodyDef def = DefOf(body);
     def.indices = added.topology.indices.data();
     def.triangleCount = uint32_t(added.topology.indices.size() / 3);
@@ -74,27 +71,30 @@ bool qcSoftBodyScene::IsThere(const btAlignedObjectArray<btSoftBody*>& bodies, c
            tracked.uniqueId == qcUniqueIdOf(tracked.body);
 }
 
-/// Removes the bodies that are not in the array, or no longer the same or finite.
-void qcSoftBodyScene::UntrackRemoved(const btAlignedObjectArray<btSoftBody*>& bodies,
-                                     btVector3 btSoftBody::Node::*start)
+/// Removes the bodies that are not in the array, or no longer the same or finite. Returns those of them that are there,
+/// but have another topology.
+std::vector<const btSoftBody*> qcSoftBodyScene::UntrackRemoved(const btAlignedObjectArray<btSoftBody*>& bodies,
+                                                               btVector3 btSoftBody::Node::*start)
 {
+    std::vector<const btSoftBody*> cut;
     int next = 0;
     auto isRemoved = [&](const qcSceneSoftBody& tracked)
     {
         const bool same = IsThere(bodies, tracked, &next);
-        if (same && tracked.start.size() == size_t(tracked.NodeCount()) &&
-            qcIsTopologyOf(tracked.topology, tracked.body) && !qcIsScaled(tracked.topology, tracked.body) &&
-            IsFinite(tracked.body, start))
+        const bool isWhole = same && qcIsTopologyOf(tracked.topology, tracked.body);
+        if (isWhole && tracked.start.size() == size_t(tracked.NodeCount()) &&
+            !qcIsScaled(tracked.topology, tracked.body) && IsFinite(tracked.body, start))
             return false;
         qcScene_RemoveBody(m_scene, tracked.id);
-        if (same && !qcIsTopologyOf(tracked.topology, tracked.body))
-            m_cut.push_back(tracked.body);
+        if (same && !isWhole)
+            cut.push_back(tracked.body);
         auto setting = m_settings.find(tracked.body);
         if (!same && setting != m_settings.end() && setting->second.uniqueId == tracked.uniqueId)
             m_settings.erase(setting);
         return true;
     };
     m_bodies.erase(std::remove_if(m_bodies.begin(), m_bodies.end(), isRemoved), m_bodies.end());
+    return cut;
 }
 
 /// Records a soft body that is not finite.
@@ -134,8 +134,9 @@ void qcSoftBodyScene::ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::
     ApplySettings(tracked);
     // A body that Bullet does not simulate stays where it is.
     auto member = tracked.moves ? start : &btSoftBody::Node::m_x;
-    bool isNearEnd = tracked.ReadApplied(member) && !isShifted && !tracked.isRestored;
-    if (isShifted || tracked.isRestored)
+    const bool isPut = isShifted || tracked.isRestored;
+    bool isNearEnd = tracked.ReadApplied(member) && !isPut;
+    if (isPut)
         tracked.applied.clear();
     tracked.start.resize(size_t(tracked.NodeCount()));
     for (int n = 0; n < tracked.NodeCount() && !isNearEnd; n++)
@@ -230,8 +231,7 @@ qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, 
     if (status != qc_statusOk)
         return status;
     notFinite = nullptr;
-    m_cut.clear();
-    UntrackRemoved(bodies, start);
+    const std::vector<const btSoftBody*> cut = UntrackRemoved(bodies, start);
     for (int i = 0; i < bodies.size() && status == qc_statusOk; i++)
     {
         auto isIt = [&](const qcSceneSoftBody& tracked) { return tracked.body == bodies[i]; };
@@ -243,7 +243,9 @@ qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, 
             LeaveOut(bodies[i]);
             continue;
         }
-        status = Track(bodies[i], start);
+        status = Track(bodies[i]);
+        if (status == qc_statusOk && std::find(cut.begin(), cut.end(), bodies[i]) != cut.end())
+            m_bodies.back().ReadCut(start);
     }
     const qcTranslation shift = FindShift(BroadphasesOf(bodies), start);
     meshes.Starts().SetShift(shift);
