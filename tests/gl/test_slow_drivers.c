@@ -19,14 +19,55 @@ static void MakeSlow(struct qcGlFunctions* gl)
     gl->DispatchCompute = DispatchSlowly;
 }
 
-/// A cloth whose steps by the sweep take less than a millisecond. Steps of `auto` on new positions; returns how many of
-/// them used the device, and checks the pairs of each.
+/// A cloth whose steps by the sweep take less than a millisecond.
+static qcSoup MakeCloth(void)
+{
+    return qcSoup_MakeFoldedCloth(2, 24, 0.02, 0.02);
+}
+
+static qcBodyDef BodyDefOf(const qcSoup* cloth)
+{
+    qcBodyDef body = qcBodyDefOf(cloth);
+    body.deforming = true;
+    return body;
+}
+
+/// As long as ten steps of the sweep, which a sanitizer slows down.
+static useconds_t FindDelay(void)
+{
+    enum
+    {
+        minDelay = 5000, // microseconds
+        steps = 20
+    };
+    qcSoup soup = MakeCloth();
+    qcScene* scene = qcMakeScene(NULL);
+    qcBodyDef body = BodyDefOf(&soup);
+    qcBodyId id;
+    CHECK_OK(qcScene_AddBody(scene, &body, &id));
+    qcDetectDef def = qcDefaultDetectDef();
+    def.threads = 1;
+    double sweepMs = 0.0;
+    for (int step = 0; step < steps; step++)
+    {
+        const qcResult* result;
+        soup.positions[2] += 0.0001;
+        CHECK_OK(qcScene_SetVertices(scene, id, soup.positions, qc_positionF64, 0));
+        CHECK_OK(qcScene_Detect(scene, &def, &result));
+        sweepMs += result->profile.totalMs / steps;
+    }
+    qcScene_Destroy(scene);
+    qcSoup_Free(&soup);
+    const double delay = 10.0 * 1000.0 * sweepMs;
+    return delay > minDelay ? (useconds_t)delay : minDelay;
+}
+
+/// Steps of `auto` on new positions of a cloth; returns how many of them used the device, and checks the pairs of each.
 static int CountStepsOnDevice(qcDevice* device, uint32_t threads, int steps)
 {
-    qcSoup soup = qcSoup_MakeFoldedCloth(2, 24, 0.02, 0.02);
+    qcSoup soup = MakeCloth();
     qcScene *scene = qcMakeScene(device), *reference = qcMakeScene(NULL);
-    qcBodyDef body = qcBodyDefOf(&soup);
-    body.deforming = true;
+    qcBodyDef body = BodyDefOf(&soup);
     qcBodyId ids[2];
     CHECK_OK(qcScene_AddBody(scene, &body, &ids[0]));
     CHECK_OK(qcScene_AddBody(reference, &body, &ids[1]));
@@ -52,18 +93,13 @@ static int CountStepsOnDevice(qcDevice* device, uint32_t threads, int steps)
     return onDevice;
 }
 
-enum
-{
-    qc_delay = 5000 // microseconds; as long as ten steps of the sweep
-};
-
 START_TEST(a_slow_device_gets_no_step_of_auto)
 {
     QC_FOR_EACH_DEVICE(device)
     {
         if (!MakeDriver(device, MakeSlow))
             continue;
-        s_delay = qc_delay;
+        s_delay = FindDelay();
         for (uint32_t threads = 1; threads <= 2; threads++)
             ck_assert_int_eq(CountStepsOnDevice(device, threads, 400), 0);
     }
@@ -78,7 +114,7 @@ START_TEST(a_device_slower_than_calibrated_is_left_after_a_few_steps)
     {
         if (!MakeDriver(device, MakeSlow))
             continue;
-        s_delay = qc_delay;
+        s_delay = FindDelay();
         for (uint32_t threads = 1; threads <= 2; threads++)
         {
             qcDevice_KeepCosts(device, threads, &costs);
