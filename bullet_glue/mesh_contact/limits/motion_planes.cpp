@@ -181,11 +181,16 @@ btVector3 MeetingPointOf(const qcMotionPlane& plane)
     return (points[0] + points[1]) / 2;
 }
 
-/// The speed at which the sides close in on each other where they meet.
-btScalar ClosingSpeedOf(const qcMotionPlane& plane)
+/// The velocity of below against above where they meet.
+btVector3 RelativeVelocityOf(const qcMotionPlane& plane)
 {
-    return plane.normal.dot(VelocityAt(*plane.below.swept, plane.arms[1]) -
-                            VelocityAt(*plane.above.swept, plane.arms[0]));
+    return VelocityAt(*plane.below.swept, plane.arms[1]) - VelocityAt(*plane.above.swept, plane.arms[0]);
+}
+
+btScalar FrictionOf(const qcMotionPlane& plane)
+{
+    return std::max(gCalculateCombinedFrictionCallback(plane.above.swept->object, plane.below.swept->object),
+                    btScalar(0));
 }
 
 /// 0 for links: see qcBounces.
@@ -207,17 +212,19 @@ btScalar InverseMassOf(const qcSweptObject& swept, const btVector3& arm, const b
                : swept.body->computeImpulseDenominator(swept.body->getCenterOfMassPosition() + arm, direction);
 }
 
-/// Changes an impulse, between 0 and a limit, so that the two sides part at this speed: it becomes less where other
-/// planes have done a part.
-void SolveImpulse(const qcMotionPlane& plane, btScalar speed, btScalar limit, btScalar* impulse)
+/// Changes an impulse along a direction, between 0 and a limit, so that above is faster than below by this speed: it
+/// becomes less where other planes have done a part.
+void SolveImpulse(const qcMotionPlane& plane, const btVector3& direction, btScalar speed, btScalar limit,
+                  btScalar* impulse)
 {
     const qcSweptObject &above = *plane.above.swept, &below = *plane.below.swept;
     const btScalar inverseMass =
-        InverseMassOf(above, plane.arms[0], plane.normal) + InverseMassOf(below, plane.arms[1], plane.normal);
+        InverseMassOf(above, plane.arms[0], direction) + InverseMassOf(below, plane.arms[1], direction);
     if (!(inverseMass > 0))
         return;
-    const btScalar sum = btClamped(*impulse + (ClosingSpeedOf(plane) + speed) / inverseMass, btScalar(0), limit);
-    const btVector3 change = plane.normal * (sum - *impulse);
+    const btScalar lacking = direction.dot(RelativeVelocityOf(plane)) + speed;
+    const btScalar sum = btClamped(*impulse + lacking / inverseMass, btScalar(0), limit);
+    const btVector3 change = direction * (sum - *impulse);
     ApplyImpulse(above, below, plane.arms[0], change);
     ApplyImpulse(below, above, plane.arms[1], -change);
     *impulse = sum;
@@ -283,12 +290,31 @@ void qcMotionPlanes::StopAll(int sweeps, btScalar slowest)
         const btVector3 point = MeetingPointOf(*plane);
         plane->arms[0] = point - plane->above.swept->end.getOrigin();
         plane->arms[1] = point - plane->below.swept->end.getOrigin();
-        plane->approach = ClosingSpeedOf(*plane);
+        plane->approach = plane->normal.dot(RelativeVelocityOf(*plane));
         plane->restitution = plane->approach >= slowest ? RestitutionOf(*plane) : btScalar(0);
     }
     for (int sweep = 0; sweep < sweeps; sweep++)
         for (qcMotionPlane* plane : m_stopped)
-            SolveImpulse(*plane, 0, BT_LARGE_FLOAT, &plane->stopping);
+            SolveImpulse(*plane, plane->normal, 0, BT_LARGE_FLOAT, &plane->stopping);
+}
+
+void qcMotionPlanes::RubAll(int sweeps)
+{
+    for (qcMotionPlane* plane : m_stopped)
+    {
+        const btVector3 relative = RelativeVelocityOf(*plane);
+        const btVector3 sliding = relative - plane->normal * plane->normal.dot(relative);
+        const btScalar speed = sliding.length();
+        plane->along = speed > SIMD_EPSILON ? sliding / speed : btVector3(0, 0, 0);
+        // Fixed: bounds that follow the impulses could raise the kinetic energy.
+        plane->mostRubbing = FrictionOf(*plane) * plane->stopping;
+    }
+    for (int sweep = 0; sweep < sweeps; sweep++)
+        for (qcMotionPlane* plane : m_stopped)
+        {
+            SolveImpulse(*plane, plane->along, 0, plane->mostRubbing, &plane->rubbing);
+            SolveImpulse(*plane, plane->normal, 0, BT_LARGE_FLOAT, &plane->stopping);
+        }
 }
 
 void qcMotionPlanes::BounceAll(int sweeps)
@@ -296,6 +322,6 @@ void qcMotionPlanes::BounceAll(int sweeps)
     for (int sweep = 0; sweep < sweeps; sweep++)
         for (qcMotionPlane* plane : m_stopped)
             if (plane->restitution > 0)
-                SolveImpulse(*plane, plane->restitution * plane->approach, plane->restitution * plane->stopping,
-                             &plane->parting);
+                SolveImpulse(*plane, plane->normal, plane->restitution * plane->approach,
+                             plane->restitution * plane->stopping, &plane->parting);
 }

@@ -40,7 +40,10 @@ struct qcMotionPlane
     btScalar approach = 0;    ///< speed along the normal before impulses
     btScalar restitution = 0; ///< 0 if it was too slow to bounce
     btScalar stopping = 0;    ///< impulse that removes the approach, so far
-    btScalar parting = 0;     ///< impulse of the bounce
+    btVector3 along{0, 0, 0}; ///< unit, in which below slides on above; 0: it does not
+    btScalar rubbing = 0;     ///< impulse of friction, so far
+    btScalar mostRubbing = 0;
+    btScalar parting = 0; ///< impulse of the bounce
     /// The pushes of above and below when no push was needed; a plane that has not been solved has others.
     uint32_t held[2] = {UINT32_MAX, UINT32_MAX};
 };
@@ -55,8 +58,8 @@ class qcMotionPlanes
     void AddHulls(qcSweptObject* below, qcSweptObject* above, const btVector3& normal, btScalar gap);
     /// One Gauss-Seidel sweep over all planes. Moves the ends of free objects.
     void SolveOnce();
-    /// Impulses where planes have pushed pairs that `isStopped` names: they stop them, and bodies with restitution that
-    /// were not slower than this bounce. Kinetic energy doesn't grow.
+    /// Impulses where planes have pushed pairs that `isStopped` names: they stop them, with friction, and bodies with
+    /// restitution that were not slower than this bounce. Kinetic energy doesn't grow.
     template <class IsStopped> void RemoveApproaches(int sweeps, btScalar slowest, const IsStopped& isStopped)
     {
         m_stopped.clear();
@@ -64,11 +67,13 @@ class qcMotionPlanes
             if (plane.pushed > 0 && isStopped(*plane.above.swept, *plane.below.swept))
                 m_stopped.push_back(&plane);
         StopAll(sweeps, slowest);
+        RubAll(sweeps);
         BounceAll(sweeps);
     }
 
   private:
     void StopAll(int sweeps, btScalar slowest);
+    void RubAll(int sweeps);
     void BounceAll(int sweeps);
 
     std::vector<qcMotionPlane> m_planes;

@@ -15,6 +15,8 @@ namespace
 constexpr int s_starts = 10;
 // Bullet's integration of turning bodies changes their energy by less than this factor.
 constexpr double s_drift = 1 + 1e-3;
+// So does, by this, the rounding of a slender body's inertia.
+constexpr double s_rounding = 1 + 1e-4;
 
 btScalar Jitter(int start, int which)
 {
@@ -187,11 +189,33 @@ START_TEST(a_fast_spinning_bar_does_not_pass_a_thin_post)
 }
 END_TEST
 
+/// The kinetic energy once Bullet has moved the bodies, before limits act: Bullet's integration of a needle that spins
+/// about its axis can raise it by half a percent.
+struct EnergyBeforeLimits : btActionInterface
+{
+    const qcMeshWorld& world;
+    double energy = 0;
+
+    explicit EnergyBeforeLimits(const qcMeshWorld& w) : world(w)
+    {
+    }
+    void updateAction(btCollisionWorld* /*collisionWorld*/, btScalar /*timeStep*/) override
+    {
+        energy = world.KineticEnergy();
+    }
+    void debugDraw(btIDebugDraw* /*drawer*/) override
+    {
+    }
+};
+
 START_TEST(needles_that_spin_and_are_stopped_gain_no_energy)
 {
     qcModel needle = qcBoxModel(btVector3(btScalar(0.3), btScalar(0.004), btScalar(0.004)), 1);
     qcModel floor = qcFloorModel(4, 8);
-    qcMeshWorld world;
+    qcMeshWorld world(false);
+    EnergyBeforeLimits before(world);
+    world.world.addAction(&before);
+    world.contact.addTo(&world.world);
     world.world.setGravity(btVector3(0, 0, 0));
     world.Add(world.StaticMesh(floor), 0,
               At(btVector3(0, 0, 0), btVector3(1, 0, btScalar(0.5)).normalized(), btScalar(0.3)));
@@ -206,13 +230,11 @@ START_TEST(needles_that_spin_and_are_stopped_gain_no_energy)
         body->setAngularVelocity(btVector3(0, 0, 50));
     }
     int limited = 0;
-    double energy = world.KineticEnergy();
     for (int step = 0; step < 20; step++)
     {
         world.Step();
         limited += world.contact.getStatistics().limited;
-        ck_assert_double_le(world.KineticEnergy(), energy * s_drift);
-        energy = world.KineticEnergy();
+        ck_assert_double_le(world.KineticEnergy(), before.energy * s_rounding);
     }
     ck_assert_int_gt(limited, 0);
 }
