@@ -17,24 +17,33 @@ constexpr btScalar s_converged = btScalar(0.05);
 /// One of the two sides of a row.
 struct Side
 {
-    const btVector3 *normal, *turn, *angular;
+    btVector3 normal, turn, angular;
 
     static Side First(const btSolverConstraint& row)
     {
-        return {&row.m_contactNormal1, &row.m_relpos1CrossNormal, &row.m_angularComponentA};
+        return {row.m_contactNormal1, row.m_relpos1CrossNormal, row.m_angularComponentA};
     }
     static Side Second(const btSolverConstraint& row)
     {
-        return {&row.m_contactNormal2, &row.m_relpos2CrossNormal, &row.m_angularComponentB};
+        return {row.m_contactNormal2, row.m_relpos2CrossNormal, row.m_angularComponentB};
+    }
+    /// A row of its own, at a point in world space.
+    static Side At(const btVector3& point, const btVector3& direction, const btSolverBody& body)
+    {
+        const btVector3 turn = (point - body.getWorldTransform().getOrigin()).cross(direction);
+        const btRigidBody* original = body.m_originalBody;
+        return {direction, turn,
+                original == nullptr ? btVector3(0, 0, 0)
+                                    : original->getInvInertiaTensorWorld() * turn * original->getAngularFactor()};
     }
 
     btScalar Along(const btVector3& linear, const btVector3& rotation) const
     {
-        return normal->dot(linear) + turn->dot(rotation);
+        return normal.dot(linear) + turn.dot(rotation);
     }
     btScalar InverseMass(const btSolverBody& body) const
     {
-        return normal->dot(*normal * body.internalGetInvMass()) + turn->dot(*angular);
+        return normal.dot(normal * body.internalGetInvMass()) + turn.dot(angular);
     }
 };
 
@@ -70,6 +79,16 @@ struct Impulses
     {
         return row.m_rhs / row.m_jacDiagABInv;
     }
+    /// Upper bound of the target. The row has the bounce of the whole approach: of it a body has that of its own.
+    static btScalar MaxTarget(const btSolverConstraint& row, const Side& side, btSolverBody& own)
+    {
+        const auto* point = static_cast<const btManifoldPoint*>(row.m_originalContactPoint);
+        if (!(point->m_combinedRestitution > 0))
+            return BT_LARGE_FLOAT;
+        const btScalar approach = -StartSpeed(side, own);
+        return std::max(AddedSpeed(side, own),
+                        approach + point->m_combinedRestitution * std::max(approach, btScalar(0)));
+    }
     /// What a body visited before adds to the speed of parting. One that comes towards the visited body counts as
     /// standing still there: it does not throw it, so that kinetic energy does not rise.
     static btScalar OtherSpeed(const Side& side, btSolverBody& other)
@@ -78,7 +97,7 @@ struct Impulses
     }
     static void Apply(const Side& side, btScalar impulse, btSolverBody* body)
     {
-        body->internalApplyImpulse(*side.normal * body->internalGetInvMass(), *side.angular, impulse);
+        body->internalApplyImpulse(side.normal * body->internalGetInvMass(), side.angular, impulse);
     }
 };
 
@@ -96,13 +115,17 @@ struct SplitImpulses
         return row.m_rhsPenetration > 0 ? row.m_rhsPenetration / row.m_jacDiagABInv
                                         : -std::max(ExcessSpeed(row, first, second), btScalar(0));
     }
+    static btScalar MaxTarget(const btSolverConstraint&, const Side&, btSolverBody&)
+    {
+        return BT_LARGE_FLOAT;
+    }
     static btScalar OtherSpeed(const Side& side, btSolverBody& other)
     {
         return Speed(side, other);
     }
     static void Apply(const Side& side, btScalar impulse, btSolverBody* body)
     {
-        body->internalApplyPushImpulse(*side.normal * body->internalGetInvMass(), *side.angular, impulse);
+        body->internalApplyPushImpulse(side.normal * body->internalGetInvMass(), side.angular, impulse);
     }
 };
 
@@ -137,6 +160,15 @@ struct qcStackingSolver::Contact
     btScalar impulse; ///< sum of those of the present visit
     int frictionCount;
     Friction frictions[2];
+};
+
+/// Friction of a contact point along one direction, after the iterations.
+struct qcStackingSolver::FrictionDef
+{
+    Side own, other; ///< of the visited body, and of one visited before
+    btScalar target; ///< sum of AddedSpeed of both
+    btScalar coefficient;
+    btScalar impulse;
 };
 
 qcStackingSolver::qcStackingSolver() = default;
@@ -254,55 +286,90 @@ template <class Pass> void qcStackingSolver::ReadContacts(int body)
         btSolverBody &first = m_tmpSolverBodyPool[row.m_solverBodyIdA],
                      &second = m_tmpSolverBodyPool[row.m_solverBodyIdB];
         const Side side = isFirst ? Side::First(row) : Side::Second(row);
-        const btScalar inverseMass = side.InverseMass(isFirst ? first : second);
+        btSolverBody& own = isFirst ? first : second;
+        const btScalar inverseMass = side.InverseMass(own);
         btScalar otherSpeed =
             isFirst ? Pass::OtherSpeed(Side::Second(row), second) : Pass::OtherSpeed(Side::First(row), first);
         if (IsFixed(other))
             otherSpeed = 0;
         if (inverseMass > 0)
         {
-            m_contacts.push_back(
-                {side, Pass::Target(row, first, second) - otherSpeed, inverseMass, row.m_appliedImpulse, 0, 0, {}});
+            const btScalar target =
+                std::min(Pass::Target(row, first, second) - otherSpeed, Pass::MaxTarget(row, side, own));
+            m_contacts.push_back({side, target, inverseMass, row.m_appliedImpulse, 0, 0, {}});
             if (Pass::hasFriction)
                 ReadFrictions(m_contactsOf[size_t(k)], isFirst, &m_contacts.back());
         }
     }
 }
 
-/// Reads the rows of friction of a contact point. Bullet has them one after another. What slides under the visited body
-/// brakes it, and drags it no further than the iterations have: kinetic energy does not rise. A single row is left out:
-/// its direction turns with the speed from step to step, and heaps would take longer to rest.
+/// Reads the rows of friction of a contact point: Bullet has them one after another. A single row has a direction that
+/// turns with the speed from step to step: two directions of their own take its place, unless the application has set
+/// it.
 void qcStackingSolver::ReadFrictions(int row, bool isFirst, Contact* contact)
 {
-    const int first = m_tmpSolverContactConstraintPool[row].m_frictionIndex;
-    if (first + 1 >= m_tmpSolverContactFrictionConstraintPool.size() ||
-        m_tmpSolverContactFrictionConstraintPool[first + 1].m_frictionIndex != row)
+    const btConstraintArray& rows = m_tmpSolverContactFrictionConstraintPool;
+    const btSolverConstraint& normal = m_tmpSolverContactConstraintPool[row];
+    const int first = normal.m_frictionIndex;
+    const auto isOfRow = [&rows, row](int index) { return index < rows.size() && rows[index].m_frictionIndex == row; };
+    if (!isOfRow(first))
         return;
-    for (int i = first; i < first + 2; i++)
+    const int ownIndex = isFirst ? normal.m_solverBodyIdA : normal.m_solverBodyIdB,
+              otherIndex = isFirst ? normal.m_solverBodyIdB : normal.m_solverBodyIdA;
+    if (isOfRow(first + 1))
     {
-        const btSolverConstraint& friction = m_tmpSolverContactFrictionConstraintPool[i];
-        const int ownIndex = isFirst ? friction.m_solverBodyIdA : friction.m_solverBodyIdB,
-                  otherIndex = isFirst ? friction.m_solverBodyIdB : friction.m_solverBodyIdA;
-        btSolverBody &own = m_tmpSolverBodyPool[ownIndex], &other = m_tmpSolverBodyPool[otherIndex];
-        const Side side = isFirst ? Side::First(friction) : Side::Second(friction);
-        const btScalar inverseMass = side.InverseMass(own);
-        if (inverseMass <= 0 || friction.m_jacDiagABInv <= 0)
+        for (int i = first; i < first + 2; i++)
         {
-            contact->frictionCount = 0;
-            return;
+            const btSolverConstraint& friction = rows[i];
+            const Side sides[2] = {Side::First(friction), Side::Second(friction)};
+            const btScalar target =
+                friction.m_jacDiagABInv > 0 ? friction.m_rhs / friction.m_jacDiagABInv : btScalar(0);
+            AddFriction(ownIndex, otherIndex,
+                        {sides[isFirst ? 0 : 1], sides[isFirst ? 1 : 0], target, friction.m_friction,
+                         friction.m_appliedImpulse},
+                        contact);
         }
-        btScalar target = friction.m_rhs / friction.m_jacDiagABInv;
-        if (!IsFixed(otherIndex))
-        {
-            target -= AddedSpeed(isFirst ? Side::Second(friction) : Side::First(friction), other);
-            const bool slides = btFabs(friction.m_appliedImpulse) >= friction.m_friction * contact->before;
-            const btScalar start = StartSpeed(side, own), speed = start + AddedSpeed(side, own);
-            if (slides)
-                target = btClamped(target, std::min(speed, btScalar(0)) - start, std::max(speed, btScalar(0)) - start);
-        }
-        contact->frictions[contact->frictionCount++] = {side, target, inverseMass, friction.m_friction,
-                                                        friction.m_appliedImpulse};
+        return;
     }
+    const auto& point = *static_cast<const btManifoldPoint*>(normal.m_originalContactPoint);
+    if ((point.m_contactPointFlags & BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED) != 0)
+        return;
+    const btSolverConstraint& friction = rows[first];
+    const btSolverBody &own = m_tmpSolverBodyPool[ownIndex], &other = m_tmpSolverBodyPool[otherIndex];
+    const btVector3 &ownPoint = isFirst ? point.getPositionWorldOnA() : point.getPositionWorldOnB(),
+                    &otherPoint = isFirst ? point.getPositionWorldOnB() : point.getPositionWorldOnA();
+    btVector3 directions[2];
+    btPlaneSpace1(contact->side.normal, directions[0], directions[1]);
+    for (const btVector3& direction : directions)
+    {
+        const Side ownSide = Side::At(ownPoint, direction, own), otherSide = Side::At(otherPoint, -direction, other);
+        const btScalar sliding = StartSpeed(ownSide, own) + StartSpeed(otherSide, other);
+        const btVector3& along = isFirst ? friction.m_contactNormal1 : friction.m_contactNormal2;
+        AddFriction(
+            ownIndex, otherIndex,
+            {ownSide, otherSide, -sliding, friction.m_friction, friction.m_appliedImpulse * along.dot(direction)},
+            contact);
+    }
+}
+
+/// What slides under the visited body brakes it, and drags it no further than the iterations have: kinetic energy does
+/// not rise.
+void qcStackingSolver::AddFriction(int ownIndex, int otherIndex, const FrictionDef& def, Contact* contact)
+{
+    btSolverBody &own = m_tmpSolverBodyPool[ownIndex], &other = m_tmpSolverBodyPool[otherIndex];
+    const btScalar inverseMass = def.own.InverseMass(own);
+    if (!(inverseMass > 0))
+        return;
+    btScalar target = def.target;
+    if (!IsFixed(otherIndex))
+    {
+        target -= AddedSpeed(def.other, other);
+        const bool slides = btFabs(def.impulse) >= def.coefficient * contact->before;
+        const btScalar start = StartSpeed(def.own, own), speed = start + AddedSpeed(def.own, own);
+        if (slides)
+            target = btClamped(target, std::min(speed, btScalar(0)) - start, std::max(speed, btScalar(0)) - start);
+    }
+    contact->frictions[contact->frictionCount++] = {def.own, target, inverseMass, def.coefficient, def.impulse};
 }
 
 /// Returns the change of the speed of the contact point.

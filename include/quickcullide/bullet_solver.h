@@ -19,9 +19,10 @@
 /// visited from the static ones upwards: each stops against those that were visited before it, which don't give way any
 /// more. Kinetic energy does not rise by it: what comes towards the visited body does not throw it.
 ///
-/// With SOLVER_USE_2_FRICTION_DIRECTIONS (btContactSolverInfo::m_solverMode) bodies don't slide on those visited
-/// before, either, as far as the load of their contact points allows. Take it for towers that don't sleep: with
-/// Bullet's default, one direction that turns with the speed, they creep apart.
+/// Bodies don't slide on those visited before, either, as far as the load of their contact points allows: in the
+/// directions of SOLVER_USE_2_FRICTION_DIRECTIONS (btContactSolverInfo::m_solverMode), otherwise in two of the pass's
+/// own, since Bullet's single one turns with the speed. A single one that the application has set
+/// (BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED) stays as Bullet has solved it.
 ///
 /// Split impulses (btContactSolverInfo::m_splitImpulse) are treated likewise. Bullet applies them without regard to
 /// contact points that are still apart, such as those of a body that reaches the floor within the step.
@@ -56,6 +57,7 @@ ATTRIBUTE_ALIGNED16(class) QC_API qcStackingSolver : public btSequentialImpulseC
   private:
     /// A contact point of the visited body.
     struct Contact;
+    struct FrictionDef;
 
     bool IsFixed(int body) const;
     void ListContacts();
@@ -63,6 +65,7 @@ ATTRIBUTE_ALIGNED16(class) QC_API qcStackingSolver : public btSequentialImpulseC
     void SortBodies();
     template <class Pass> void ReadContacts(int body);
     void ReadFrictions(int row, bool isFirst, Contact* contact);
+    void AddFriction(int ownIndex, int otherIndex, const FrictionDef& def, Contact* contact);
     template <class Pass> static btScalar Solve(Contact * contact, btSolverBody * own);
     template <class Pass> void Visit(int body);
 
