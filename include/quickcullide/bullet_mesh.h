@@ -206,10 +206,10 @@ struct qcMeshContactStatistics
 /// of the threshold less deep. A point near one of the previous step keeps its impulses.
 ///
 /// Margins that overlap from the beginning, such as those of bodies that are stacked without a gap, or of the pieces of
-/// a body that breaks at rest: they give way within a second, so that the bodies are not thrown apart. Bodies that move
-/// by more than their margins in their first step get Bullet's whole push. The distances of contact points in manifolds
-/// leave out what has not given way yet; without a step of the world (btCollisionWorld, ghosts, contactTest) they are
-/// the real ones.
+/// a body that breaks: they give way within a second, so that the bodies are not thrown apart. Bodies that pass each
+/// other by more than their margins in their first step get Bullet's whole push. The distances of contact points in
+/// manifolds leave out what has not given way yet; without a step of the world (btCollisionWorld, ghosts, contactTest)
+/// they are the real ones.
 ///
 /// Turning bodies: a point that a body approaches by turning lies where the arc of its vertex gets nearest to a face of
 /// the other one within the step, so that round meshes roll on as they do in small steps.
