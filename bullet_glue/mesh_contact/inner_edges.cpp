@@ -95,6 +95,27 @@ struct NearerTriangle : btTriangleCallback
         faces = btFabs(unit.dot(outward));
     }
 };
+
+/// Looks for a triangle with this normal, on either side, around a point.
+struct TriangleOfPlane : btTriangleCallback
+{
+    const btVector3 &normal, &point;
+    const btScalar slack;
+    bool isFound = false;
+
+    TriangleOfPlane(const btVector3& ofPlane, const btVector3& around, btScalar within)
+        : normal(ofPlane), point(around), slack(within)
+    {
+    }
+
+    void processTriangle(btVector3* corners, int part, int index) override
+    {
+        (void)part, (void)index;
+        const btVector3 across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        isFound = isFound || (btFabs(across.dot(normal)) > s_straight * across.length() &&
+                              ClosestOn(corners, point).distance(point) <= slack);
+    }
+};
 } // namespace
 
 qcInnerEdgeFilter::qcInnerEdgeFilter(const qcMeshShape& mesh, const btTransform& place, const btVector3& center,
@@ -137,6 +158,22 @@ btVector3 qcInnerEdgeFilter::NearerNormal(const btVector3 corners[3], const btVe
     return side < 0 ? -nearer.normal : nearer.normal;
 }
 
+/// True if the mesh is flat from a point on it to where the convex shape is lowest along this normal: no ridge is
+/// between the two, which would carry the shape.
+bool qcInnerEdgeFilter::IsFlatUnder(const btCollisionObjectWrapper& convex, const btVector3& normal,
+                                    const btVector3& point, btScalar size) const
+{
+    const btTransform& place = convex.getWorldTransform();
+    const btVector3 down = m_place.getBasis() * -normal;
+    const auto& shape = *static_cast<const btConvexShape*>(convex.getCollisionShape());
+    const btVector3 lowest = m_place.invXform(place * shape.localGetSupportingVertex(down * place.getBasis()));
+    const btVector3 foot = lowest - normal * normal.dot(lowest - point);
+    TriangleOfPlane triangle(normal, foot, s_slack * size);
+    const btVector3 reach(triangle.slack, triangle.slack, triangle.slack);
+    m_mesh.processAllTriangles(&triangle, foot - reach, foot + reach);
+    return triangle.isFound;
+}
+
 void qcInnerEdgeFilter::addContactPoint(const btVector3& normal, const btVector3& point, btScalar distance)
 {
     btVector3 passed = normal;
@@ -162,7 +199,8 @@ void qcInnerEdgeFilter::addContactPoint(const btVector3& normal, const btVector3
             const btCollisionObjectWrapper* convex = m_result->getBody0Wrap();
             if (!convex->getCollisionShape()->isConvex())
                 convex = m_result->getBody1Wrap();
-            if (nearer.dot(outward) > s_sameNormal || !HasFace(*convex, -normal))
+            if (nearer.dot(outward) > s_sameNormal || !HasFace(*convex, -normal) ||
+                IsFlatUnder(*convex, nearer, ClosestOn(corners, m_place.invXform(point)), btSqrt(area)))
                 passed = m_place.getBasis() * nearer;
         }
     }

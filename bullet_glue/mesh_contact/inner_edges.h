@@ -33,6 +33,8 @@ class qcInnerEdgeFilter : public btManifoldResult
   private:
     btVector3 NearerNormal(const btVector3 corners[3], const btVector3& point, const btVector3& outward,
                            btScalar size) const;
+    bool IsFlatUnder(const btCollisionObjectWrapper& convex, const btVector3& normal, const btVector3& point,
+                     btScalar size) const;
 
     const qcMeshShape& m_mesh;
     const btTransform& m_place;

@@ -3,6 +3,7 @@
 
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <BulletCollision/CollisionShapes/btCapsuleShape.h>
+#include <BulletCollision/CollisionShapes/btConvexHullShape.h>
 #include <BulletCollision/CollisionShapes/btCylinderShape.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 
@@ -11,6 +12,22 @@
 namespace
 {
 constexpr btScalar s_margin = btScalar(0.01), s_half = btScalar(0.25);
+
+/// A crate whose bottom rises by 2 cm towards its edges: on a plane it stands on the middle.
+std::unique_ptr<btCollisionShape> MakeBevelledCrate()
+{
+    auto hull = std::make_unique<btConvexHullShape>();
+    const btScalar margin = btScalar(0.02), bottom = margin - s_half, edge = btScalar(0.35), middle = btScalar(0.2);
+    hull->setMargin(margin);
+    for (int i = 0; i < 4; i++)
+    {
+        const btScalar x = i % 2 == 0 ? btScalar(-1) : btScalar(1), z = i / 2 == 0 ? btScalar(-1) : btScalar(1);
+        hull->addPoint(btVector3(middle * x, bottom, middle * z));
+        hull->addPoint(btVector3(edge * x, bottom + btScalar(0.02), edge * z));
+        hull->addPoint(btVector3(edge * x, -bottom, edge * z));
+    }
+    return hull;
+}
 
 /// A body without friction, on a floor of triangles of 25 cm.
 struct SlidingWorld : qcMeshWorld
@@ -38,7 +55,8 @@ struct SlidingWorld : qcMeshWorld
         {
             case 0: shape = std::make_unique<btSphereShape>(s_half); break;
             case 1: shape = std::make_unique<btBoxShape>(btVector3(btScalar(0.5), s_half, btScalar(0.4))); break;
-            default: shape = std::make_unique<btCapsuleShapeX>(s_half, btScalar(0.6));
+            case 2: shape = std::make_unique<btCapsuleShapeX>(s_half, btScalar(0.6)); break;
+            default: shape = MakeBevelledCrate();
         }
         btTransform place(btQuaternion(btVector3(0, 1, 0), btScalar(0.2)),
                           btVector3(-speed, s_half + s_margin + uneven, btScalar(-0.3)));
@@ -207,7 +225,7 @@ END_TEST
 QC_TEST_MAIN()
 {
     TCase* tests = qcMakeCase("inner_edges");
-    tcase_add_loop_test(tests, convex_shapes_slide_over_triangles_as_over_a_plane, 0, 3);
+    tcase_add_loop_test(tests, convex_shapes_slide_over_triangles_as_over_a_plane, 0, 4);
     tcase_add_loop_test(tests, uneven_ground_takes_little_of_their_speed, 0, 3);
     tcase_add_test(tests, boxes_slide_down_slopes_as_friction_has_it);
     tcase_add_test(tests, outer_edges_hold_convex_shapes);
