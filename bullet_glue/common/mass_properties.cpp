@@ -102,40 +102,6 @@ double Area(const Point p[3])
     return std::sqrt(x * x + y * y + z * z) / 2;
 }
 
-/// Makes a symmetric matrix diagonal by rotations; the columns of `axes` receive their product.
-void Diagonalize(double m[3][3], double axes[3][3])
-{
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            axes[i][j] = i == j;
-    // Convergence is quadratic: a few sweeps reach the last bit.
-    for (int sweep = 0; sweep < 16; sweep++)
-        for (int k = 0; k < 3; k++)
-        {
-            int p = k, q = (k + 1) % 3;
-            if (std::fabs(m[p][q]) <= 1e-18 * (std::fabs(m[p][p]) + std::fabs(m[q][q])))
-                continue;
-            double theta = (m[q][q] - m[p][p]) / (2 * m[p][q]);
-            double t = (theta < 0 ? -1 : 1) / (std::fabs(theta) + std::hypot(theta, 1));
-            double c = 1 / std::hypot(t, 1), s = t * c;
-            for (int i = 0; i < 3; i++)
-            {
-                double ip = m[i][p], iq = m[i][q];
-                m[i][p] = c * ip - s * iq;
-                m[i][q] = s * ip + c * iq;
-            }
-            for (int i = 0; i < 3; i++)
-            {
-                double pi = m[p][i], qi = m[q][i];
-                m[p][i] = c * pi - s * qi;
-                m[q][i] = s * pi + c * qi;
-                double ap = axes[i][p], aq = axes[i][q];
-                axes[i][p] = c * ap - s * aq;
-                axes[i][q] = s * ap + c * aq;
-            }
-        }
-}
-
 /// The tensor of a body of mass 1 about a point, which is relative to the origin of the moments. In units.
 void InertiaAbout(const qcMoments& m, const double point[3], double tensor[3][3])
 {
@@ -163,7 +129,7 @@ bool IsBody(const qcMoments& m)
     for (int axis = 0; axis < 3; axis++)
         center[axis] = m.first[axis] / m.mass;
     InertiaAbout(m, center, tensor);
-    Diagonalize(tensor, axes);
+    qcDiagonalize(tensor, axes);
     double sum = tensor[0][0] + tensor[1][1] + tensor[2][2];
     double minVariance = sum / 2 - std::max({tensor[0][0], tensor[1][1], tensor[2][2]});
     return minVariance >= -s_rounding * std::fabs(sum);
@@ -282,6 +248,39 @@ qcMoments Measure(const btVector3* vertices, const uint32_t* indices, uint32_t t
 }
 } // namespace
 
+void qcDiagonalize(double m[3][3], double axes[3][3])
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            axes[i][j] = i == j;
+    // Convergence is quadratic: a few sweeps reach the last bit.
+    for (int sweep = 0; sweep < 16; sweep++)
+        for (int k = 0; k < 3; k++)
+        {
+            int p = k, q = (k + 1) % 3;
+            if (std::fabs(m[p][q]) <= 1e-18 * (std::fabs(m[p][p]) + std::fabs(m[q][q])))
+                continue;
+            double theta = (m[q][q] - m[p][p]) / (2 * m[p][q]);
+            double t = (theta < 0 ? -1 : 1) / (std::fabs(theta) + std::hypot(theta, 1));
+            double c = 1 / std::hypot(t, 1), s = t * c;
+            for (int i = 0; i < 3; i++)
+            {
+                double ip = m[i][p], iq = m[i][q];
+                m[i][p] = c * ip - s * iq;
+                m[i][q] = s * ip + c * iq;
+            }
+            for (int i = 0; i < 3; i++)
+            {
+                double pi = m[p][i], qi = m[q][i];
+                m[p][i] = c * pi - s * qi;
+                m[q][i] = s * pi + c * qi;
+                double ap = axes[i][p], aq = axes[i][q];
+                axes[i][p] = c * ap - s * aq;
+                axes[i][q] = s * ap + c * aq;
+            }
+        }
+}
+
 qcMoments qcMeasureMesh(const btVector3* vertices, uint32_t vertexCount, const uint32_t* indices,
                         uint32_t triangleCount)
 {
@@ -329,7 +328,7 @@ qcMassProperties qcMassPropertiesOf(const qcMoments& moments)
     properties.area = holdsArea ? moments.area * unit * unit : 0;
     properties.volume = holdsVolume ? volume * unit * unit * unit : 0;
     properties.inertia = ToMatrix(tensor, holdsInertia ? unit * unit : 0);
-    Diagonalize(tensor, axes);
+    qcDiagonalize(tensor, axes);
     properties.principalFrame = btTransform(ToMatrix(axes, 1), properties.center);
     properties.principalInertia = holdsInertia ? MomentsOf(tensor, 1, unit) : btVector3(0, 0, 0);
     return properties;

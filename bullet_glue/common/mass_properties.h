@@ -28,6 +28,9 @@ qcMoments qcMeasureSolid(const btVector3* vertices, const uint32_t* indices, uin
 /// it or its inverse.
 btVector3 qcInertiaAboutOrigin(const qcMoments& moments, double mass);
 
+/// Makes a symmetric matrix diagonal by rotations, up to rounding; the columns of `axes` receive their product.
+void qcDiagonalize(double m[3][3], double axes[3][3]);
+
 qcMassProperties qcMassPropertiesOf(const qcMoments& moments);
 
 #endif

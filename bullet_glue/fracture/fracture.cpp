@@ -29,6 +29,10 @@ constexpr double s_minShare = 1e-9; ///< min volume of a piece relative to the m
 // Tolerances for a sum of volumes, relative and in cubic units. Boxes, needles and tori turned at random, in up to 125
 // cells, had rounding errors of up to 4e-15 and 5e-16.
 constexpr double s_volumeShare = 1e-12, s_volumeError = 1e-14;
+// A point is enclosed, or is not, if its winding is further from a half; others are on the surface, or at it.
+constexpr double s_sureWinding = 0.45;
+// In units: corners in cuts are off by less.
+constexpr double s_cutError = 1e-12;
 constexpr double s_minVolume = 100 * s_volumeError; ///< of a mesh: above the errors, so that wrong sums are detected
 
 qcFracture Fail(const std::string& message)
@@ -120,8 +124,10 @@ std::string Prepare(const qcFractureDef& def, qcClipScratch* scratch, Job* job)
     }
     qcClipPoint first;
     job->volume = qcFacetedMesh_Measure(mesh, &first);
+    if (job->volume < 0)
+        return "the volume is negative: triangles must be counterclockwise as seen from outside";
     if (!(job->volume > 0))
-        return "the volume is not positive: triangles must be counterclockwise as seen from outside";
+        return "the mesh has no volume";
     if (job->volume < s_minVolume)
         return "the mesh is too thin: its volume is about " + qcTextOf(job->volume) +
                " of the cube of its length, less than " + qcTextOf(s_minVolume);
@@ -156,6 +162,25 @@ double WindingAbout(const qcFacetedMesh& mesh, const qcClipPoint& point)
     return sum / (2 * 3.14159265358979323846);
 }
 
+/// True if a mesh encloses another one that doesn't cross it. Where they touch, a point on both decides nothing.
+bool Encloses(const qcFacetedMesh& outer, const qcFacetedMesh& inner)
+{
+    double sum = 0;
+    for (const qcClipTriangle& triangle : inner.triangles)
+    {
+        qcClipPoint center;
+        for (size_t axis = 0; axis < 3; axis++)
+            center[axis] = (inner.points[triangle.corner[0]][axis] + inner.points[triangle.corner[1]][axis] +
+                            inner.points[triangle.corner[2]][axis]) /
+                           3;
+        const double winding = WindingAbout(outer, center);
+        if (std::fabs(winding - 0.5) > s_sureWinding)
+            return winding > 0.5;
+        sum += winding;
+    }
+    return sum > 0.5 * double(inner.triangles.size());
+}
+
 /// Joins hollows to the pieces around them. A hollow is a component of its own, inside out; it belongs to the smallest
 /// component that encloses it.
 void JoinHollows(std::vector<qcFacetedMesh>* components)
@@ -167,7 +192,7 @@ void JoinHollows(std::vector<qcFacetedMesh>* components)
             auto less = [axis](const qcClipPoint& a, const qcClipPoint& b) { return a[axis] < b[axis]; };
             auto o = std::minmax_element(outer.points.begin(), outer.points.end(), less);
             auto i = std::minmax_element(inner.points.begin(), inner.points.end(), less);
-            if ((*o.first)[axis] > (*i.first)[axis] || (*o.second)[axis] < (*i.second)[axis])
+            if ((*o.first)[axis] > (*i.first)[axis] + s_cutError || (*o.second)[axis] < (*i.second)[axis] - s_cutError)
                 return false;
         }
         return true;
@@ -188,7 +213,7 @@ void JoinHollows(std::vector<qcFacetedMesh>* components)
         size_t around = components->size();
         for (size_t k = 0; k < components->size(); k++)
             if (volumes[k] > 0 && (around == components->size() || volumes[k] < volumes[around]) &&
-                holds((*components)[k], inner) && WindingAbout((*components)[k], inner.points[0]) >= 0.5)
+                holds((*components)[k], inner) && Encloses((*components)[k], inner))
                 around = k;
         if (around == components->size())
             continue;
@@ -257,7 +282,7 @@ void PutInFrame(const qcFacetedMesh& component, const qcClipPoint& center, const
     for (int k = 0; k < 3; k++)
     {
         btScalar moment = btScalar(double(mass.principalInertia[k]) * units.length * units.length);
-        piece->inertia[k] = std::isnormal(double(moment)) ? moment : btScalar(0);
+        piece->inertia[k] = std::isnormal(moment) ? moment : btScalar(0);
     }
 }
 

@@ -3,6 +3,7 @@
 #include "quickcullide/bullet_fracture.h"
 
 #include "common/double_vector.h"
+#include "common/mass_properties.h"
 #include "common/union_find.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
@@ -71,14 +72,15 @@ void Measure(const qcFracture& fracture, qcIsland* island)
     }
     Sum sum = SumOf(fracture, island->pieces);
     island->volume = sum.volume;
-    btMatrix3x3 tensor, axes;
+    double axes[3][3];
+    qcDiagonalize(sum.tensor, axes);
     for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++)
-            tensor[i][k] = btScalar(sum.tensor[i][k] / sum.volume);
-    tensor.diagonalize(axes, btScalar(1e-6), 20);
-    island->frame.setBasis(axes);
+    {
+        island->frame.getBasis()[i].setValue(btScalar(axes[i][0]), btScalar(axes[i][1]), btScalar(axes[i][2]));
+        const btScalar moment = btScalar(sum.tensor[i][i] / sum.volume);
+        island->inertia[i] = std::isnormal(moment) ? moment : btScalar(0);
+    }
     island->frame.setOrigin(btVector3(btScalar(sum.center[0]), btScalar(sum.center[1]), btScalar(sum.center[2])));
-    island->inertia.setValue(tensor[0][0], tensor[1][1], tensor[2][2]);
 }
 } // namespace
 

@@ -95,10 +95,10 @@ struct CutPlane
         if (length > 0)
             n = {normal[0] / length, normal[1] / length, normal[2] / length};
         // Both sides of the cut choose the same axis, though their normals differ by rounding: nearly equal
-        // components, as of a plane at 45 degrees, count as equal.
+        // components, as of a plane at 45 degrees or along two axes, count as equal.
         size_t smallest = 0;
         for (size_t i = 1; i < 3; i++)
-            if (std::fabs(n[i]) < 0.999 * std::fabs(n[smallest]))
+            if (std::fabs(n[i]) < std::fabs(n[smallest]) - 0.001)
                 smallest = i;
         u = {0, 0, 0};
         u[smallest] = 1;

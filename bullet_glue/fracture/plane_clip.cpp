@@ -92,6 +92,10 @@ bool DropBackToBack(const std::vector<TriangleEdge>& triangleEdges, const std::v
 
 //  ---- the cut ---------------------------------------------------------------------------------------
 
+// In units: points that are no further from a plane lie in it. The faces of a turned mesh are off their own planes by
+// the rounding of their corners; what would be cut off is far below the tolerance of the sum of volumes.
+constexpr double s_planeRounding = 2e-15;
+
 /// Fills the signed distances of the points from the plane and the new indices of those that are not outside. Returns
 /// how many these are. `inPlane`: the number of points in the plane.
 uint32_t FindSides(const qcClipSolid& solid, const qcClipPlane& plane, qcClipScratch* scratch, size_t* inPlane)
@@ -107,6 +111,8 @@ uint32_t FindSides(const qcClipSolid& solid, const qcClipPlane& plane, qcClipScr
     for (size_t i = 0; i < count; i++)
     {
         sides[i] = qcDotOf(plane.normal, points[i]) - plane.distance;
+        if (std::abs(sides[i]) < s_planeRounding)
+            sides[i] = 0;
         uint32_t isOutside = sides[i] > 0;
         newIndices[i] = kept | (0 - isOutside); // s_none outside
         kept += 1 - isOutside;

@@ -55,6 +55,17 @@ std::vector<qcFractureDef> TexturedModels()
     return models;
 }
 
+/// A cube cut along its axes: the normals of cuts have two components that are rounding alone.
+qcFractureDef GridModel()
+{
+    constexpr int cells = 5;
+    qcFractureDef def = qcBoxToBreak(1, 1, 1);
+    auto place = [](int i) { return btScalar(2 * (i + 0.5) / cells - 1); };
+    for (int i = 0; i < cells * cells * cells; i++)
+        def.sites.push_back(btVector3(place(i % cells), place(i / cells % cells), place(i / cells / cells)));
+    return def;
+}
+
 qcFracture Split(const qcFractureDef& def)
 {
     qcFracture fracture = qcFracture_Split(def);
@@ -169,7 +180,9 @@ END_TEST
 
 START_TEST(the_texture_inside_is_planar_in_units_of_length_and_equal_on_both_sides_of_a_cut)
 {
-    for (const qcFractureDef& def : TexturedModels())
+    std::vector<qcFractureDef> models = TexturedModels();
+    models.push_back(GridModel());
+    for (const qcFractureDef& def : models)
     {
         qcFracture fracture = Split(def);
         // Coordinates by cut and position, from the lower site's side.
