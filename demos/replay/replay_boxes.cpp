@@ -160,6 +160,15 @@ bool ApplyChange(BoxRun& run, const qcOperation& o)
     return true;
 }
 
+/// All boxes go. Bullet's broadphases reset only what is empty.
+void ApplyReset(BoxRun& run)
+{
+    for (uint32_t id : run.ids)
+        ApplyToBoth(run, [id](qcBoxReplay& replay) { replay.Remove(id); });
+    run.ids.clear();
+    ApplyToBoth(run, [](qcBoxReplay& replay) { replay.Reset(); });
+}
+
 bool Apply(BoxRun& run, const qcOperation& o)
 {
     switch (o.kind)
@@ -167,7 +176,7 @@ bool Apply(BoxRun& run, const qcOperation& o)
         case qc_operationFindPairs:
         case qc_operationQueryBox:
         case qc_operationCastBox: return Answer(run, o);
-        case qc_operationResetBoxes: ApplyToBoth(run, [](qcBoxReplay& replay) { replay.Reset(); }); return true;
+        case qc_operationResetBoxes: ApplyReset(run); return true;
         default: return ApplyChange(run, o);
     }
 }

@@ -61,8 +61,8 @@ typedef struct qcBoxChanges
     const qcBoxPair* ended; ///< pairs that no longer overlap; sorted and valid likewise
     size_t beganCount;      ///< number of new pairs
     size_t endedCount;      ///< number of ended pairs
-    /// Memory ran out in the last search, so the pairs before it are unknown. `began` then holds all pairs that
-    /// overlap, `ended` none.
+    /// Memory ran out in the last search or since, so the pairs before it are unknown. `began` then holds all pairs
+    /// that overlap, `ended` none.
     bool all;
 } qcBoxChanges;
 
@@ -93,7 +93,8 @@ QC_API void qcBoxes_QueryBox(const qcBoxes* boxes, const double lower[3], const 
                              qcBoxFunction* function, void* context);
 
 /// Visits every box that overlaps box `id` now and did not at the last search for pairs. An unknown id visits nothing.
-/// The next search reuses the result. O(log n + its pairs), typically.
+/// Where memory ran out since that search, it visits all that overlap. The next search reuses the result. O(log n + its
+/// pairs), typically.
 QC_API void qcBoxes_QueryBegun(qcBoxes* boxes, uint32_t id, qcBoxFunction* function, void* context);
 
 /// Visits every box that a moving box touches on its way from `from` to `to`. `castLower` and `castUpper` are the

@@ -445,8 +445,10 @@ typedef struct qcManifoldPoint
 /// triangles are connected if they have one triangle in common and the other two share a vertex; vertices at equal
 /// positions count as shared.
 ///
-/// Each pair in contact has a point, or an adjacent pair has one, or the pair lies in a flat patch between two rigid
-/// bodies, where only corners are reported. Two triangles of one body that only touch at a common vertex, by index or
+/// Each pair in contact has a point, or a pair has one whose triangles are the same or adjacent, or a point lies at one
+/// of its triangles, no further than 1/64 of the size of the region's triangles. There are two exceptions: pairs in a
+/// flat patch between two rigid bodies, where only corners are reported, and those whose closest point is that of a
+/// nearer pair, too. Two triangles of one body that only touch at a common vertex, by index or
 /// at equal positions, are no contact. If both bodies are flat there and a plane separates the whole region, all
 /// points have the plane's normal. Two points at the same place (nearer than 1/64 of the triangles' size) have
 /// different normals. Within one body, A and B are the two sides of the region, whatever the order of their indices.

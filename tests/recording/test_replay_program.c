@@ -180,6 +180,41 @@ START_TEST(operations_are_listed_with_their_bytes)
 }
 END_TEST
 
+START_TEST(boxes_that_are_there_go_at_a_reset)
+{
+    static const char* const options[] = {
+        "--method brute",
+#ifdef QC_HAS_BROADPHASE
+        "--method recorded",
+#endif
+    };
+    EnterFolder();
+    const double bounds[6] = {0.0, 0.0, 0.0, 1.0, 1.0, 1.0};
+    const qcBoxPair pair = {0, 1};
+    for (int again = 0; again < 2; again++)
+    {
+        qcBoxRecorder* recorder;
+        CHECK_OK(qcBoxRecorder_Open("a.qcr", sizeof(float), &recorder));
+        for (uint32_t id = 0; id < 2; id++)
+            qcBoxRecorder_Add(recorder, id, bounds, 1, 1);
+        qcBoxRecorder_Begin(recorder);
+        qcBoxRecorder_EndPairs(recorder, &pair, 1, false, NULL, 0);
+        qcBoxRecorder_Reset(recorder);
+        if (again)
+            qcBoxRecorder_Add(recorder, 0, bounds, 1, 1);
+        qcBoxRecorder_Begin(recorder);
+        qcBoxRecorder_EndPairs(recorder, NULL, 0, false, NULL, 0);
+        CHECK_OK(qcBoxRecorder_Close(recorder));
+        for (size_t i = 0; i < sizeof options / sizeof options[0]; i++)
+        {
+            ck_assert_msg(Run(REPLAY " %s a.qcr", options[i]) == 0, "%s%s", GetOutput(), GetErrors());
+            ck_assert_ptr_nonnull(strstr(GetOutput(), "2 results are the recorded ones, 0 differ"));
+        }
+    }
+    LeaveFolder();
+}
+END_TEST
+
 START_TEST(help_names_both_kinds_of_recordings)
 {
     EnterFolder();
@@ -228,4 +263,4 @@ END_TEST
 QC_RUN_TESTS("replay_program", a_recording_replays_equal_by_every_method_that_never_misses,
              a_result_that_differs_is_named_and_fails, pairs_that_a_sampling_method_misses_are_counted,
              a_detection_that_failed_is_replayed_like_the_others, operations_are_listed_with_their_bytes,
-             help_names_both_kinds_of_recordings, mistakes_and_damage_are_named)
+             boxes_that_are_there_go_at_a_reset, help_names_both_kinds_of_recordings, mistakes_and_damage_are_named)
