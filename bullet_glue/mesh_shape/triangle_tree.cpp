@@ -1,31 +1,48 @@
 // Building the BVH over triangles.
 #include "mesh_shape/triangle_tree.h"
 
+#include "common/parallel_loop.h"
+
 #include <algorithm>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 namespace
 {
+// Triangles that are worth a thread: about a millisecond.
+constexpr size_t s_minPerThread = 10000;
+// Halves are not equally large.
+constexpr size_t s_runsPerWorker = 4;
+
 struct Centroid
 {
     btScalar at[3]; ///< three times the position
     uint32_t triangle;
 };
 
-/// Sorts centroids so that each run of `unit`, of an eighth of it, and so on down to `width` lies close together.
-void Sort(Centroid* begin, Centroid* end, size_t unit, size_t width)
+/// Centroids to be sorted so that each run of `unit`, of an eighth of it, and so on down to `width` lies close
+/// together.
+struct Run
 {
-    size_t count = size_t(end - begin);
-    if (count <= unit)
+    Centroid *begin, *end;
+    size_t unit;
+
+    size_t Count() const
     {
-        if (unit > width)
-            Sort(begin, end, unit / width, width);
-        return;
+        return size_t(end - begin);
     }
+};
+
+/// Divides a run of more than `width` centroids into two.
+std::pair<Run, Run> Divide(Run run, size_t width)
+{
+    while (run.Count() <= run.unit)
+        run.unit /= width;
     btScalar lower[3], upper[3];
-    std::copy_n(begin->at, 3, lower);
-    std::copy_n(begin->at, 3, upper);
-    for (const Centroid* c = begin; c != end; c++)
+    std::copy_n(run.begin->at, 3, lower);
+    std::copy_n(run.begin->at, 3, upper);
+    for (const Centroid* c = run.begin; c != run.end; c++)
         for (int axis = 0; axis < 3; axis++)
         {
             lower[axis] = std::min(lower[axis], c->at[axis]);
@@ -35,11 +52,40 @@ void Sort(Centroid* begin, Centroid* end, size_t unit, size_t width)
     for (int axis = 1; axis < 3; axis++)
         if (upper[axis] - lower[axis] > upper[longest] - lower[longest])
             longest = axis;
-    Centroid* middle = begin + ((count + unit - 1) / unit + 1) / 2 * unit;
-    std::nth_element(begin, middle, end,
+    Centroid* middle = run.begin + ((run.Count() + run.unit - 1) / run.unit + 1) / 2 * run.unit;
+    std::nth_element(run.begin, middle, run.end,
                      [longest](const Centroid& a, const Centroid& b) { return a.at[longest] < b.at[longest]; });
-    Sort(begin, middle, unit, width);
-    Sort(middle, end, unit, width);
+    return {{run.begin, middle, run.unit}, {middle, run.end, run.unit}};
+}
+
+void Sort(const Run& run, size_t width)
+{
+    if (run.Count() <= width)
+        return;
+    const auto [first, second] = Divide(run, width);
+    Sort(first, width);
+    Sort(second, width);
+}
+
+/// Divides a large run on all threads: those of each round are divided at the same time.
+void SortInParallel(const Run& run, size_t width)
+{
+    std::vector<Run> runs = {run};
+    const uint32_t workers = run.Count() > s_minPerThread ? qcWorkersOf(0) : 1;
+    while (workers > 1 && runs.size() < s_runsPerWorker * workers && runs[0].Count() > s_minPerThread)
+    {
+        std::vector<Run> halves(2 * runs.size());
+        auto divide = [&](size_t i, uint32_t)
+        {
+            const Run& whole = runs[i];
+            const Run none = {whole.end, whole.end, whole.unit};
+            std::tie(halves[2 * i], halves[2 * i + 1]) =
+                whole.Count() > s_minPerThread ? Divide(whole, width) : std::make_pair(whole, none);
+        };
+        qcForEach(workers, runs.size(), 1, divide);
+        runs.swap(halves);
+    }
+    qcForEach(workers, runs.size(), 1, [&](size_t i, uint32_t) { Sort(runs[i], width); });
 }
 } // namespace
 
@@ -89,7 +135,7 @@ qcTriangleTree::qcTriangleTree(const btVector3* vertices, const uint32_t* indice
     size_t unit = s_width;
     while (unit < triangleCount)
         unit *= s_width;
-    Sort(centroids.data(), centroids.data() + triangleCount, unit, s_width);
+    SortInParallel({centroids.data(), centroids.data() + triangleCount, unit}, s_width);
     m_order.resize(triangleCount);
     m_levels.push_back({0, (triangleCount + s_width - 1) / s_width});
     m_blocks.resize(m_levels[0].count);
