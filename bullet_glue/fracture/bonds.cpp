@@ -137,8 +137,9 @@ Area Overlap(const CutFace& one, const CutFace& other)
     return area;
 }
 
-void AddBond(const CutFace& low, const CutFace& high, const Area& area, const qcFractureUnits& units,
-             std::vector<qcBond>* bonds)
+/// `lowNormal`: the vector area of the whole lower face.
+void AddBond(const CutFace& low, const CutFace& high, const qcClipPoint& lowNormal, const Area& area,
+             const qcFractureUnits& units, std::vector<qcBond>* bonds)
 {
     if (area.area < s_minArea)
         return;
@@ -147,7 +148,7 @@ void AddBond(const CutFace& low, const CutFace& high, const Area& area, const qc
     bond.pieceB = high.piece;
     bond.area = area.area * units.length * units.length;
     bond.center = units.Global({area.first[0] / area.area, area.first[1] / area.area, area.first[2] / area.area});
-    qcClipPoint normal = AreaOf(low).normal;
+    qcClipPoint normal = lowNormal;
     if (qcDotOf(normal, normal) < s_minArea * s_minArea)
         normal = PlaneNormal(low);
     double length = std::max(std::sqrt(qcDotOf(normal, normal)), std::numeric_limits<double>::min());
@@ -177,8 +178,14 @@ void AddBonds(const CutFace* begin, const CutFace* middle, const CutFace* end, c
 {
     const bool isShared = IsShared(begin, middle, end), takesLow = end - middle == 1;
     for (const CutFace* low = begin; low != middle; low++)
+    {
+        const Area whole = AreaOf(*low);
         for (const CutFace* high = middle; high != end; high++)
-            AddBond(*low, *high, isShared ? AreaOf(takesLow ? *low : *high) : Overlap(*low, *high), units, bonds);
+        {
+            const Area area = !isShared ? Overlap(*low, *high) : takesLow ? whole : AreaOf(*high);
+            AddBond(*low, *high, whole.normal, area, units, bonds);
+        }
+    }
 }
 
 std::vector<CutFace> FindFaces(const std::vector<qcPieceCuts>& pieces)

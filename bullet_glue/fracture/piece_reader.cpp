@@ -163,6 +163,13 @@ template <typename Scalar> std::vector<btVector3> TakeVertices(uint32_t count, D
     return vertices;
 }
 
+/// 0 where btScalar can't hold a moment, as in a piece that is made.
+btScalar MomentOf(double moment)
+{
+    const btScalar rounded = btScalar(moment);
+    return std::isfinite(moment) && !std::isnormal(rounded) ? btScalar(0) : rounded;
+}
+
 qcPiece TakePiece(uint32_t scalarSize, const qcFracture& fracture, Data data)
 {
     const qcPieceRecord record = data.Take<qcPieceRecord>(1)[0];
@@ -178,7 +185,8 @@ qcPiece TakePiece(uint32_t scalarSize, const qcFracture& fracture, Data data)
     for (int i = 0; i < 3; i++)
         piece.frame.getBasis()[i] = VectorOf(&record.frame[3 * i]);
     piece.frame.setOrigin(VectorOf(&record.frame[9]));
-    piece.inertia = VectorOf(record.inertia);
+    for (int i = 0; i < 3; i++)
+        piece.inertia[i] = MomentOf(record.inertia[i]);
     std::string defect = qcFindPieceDefect(piece, fracture);
     if (!defect.empty())
         throw Refused{defect};

@@ -145,13 +145,13 @@ struct qcPieceTexture
 };
 
 /// Materials and texture coordinates of a piece of `mesh`, whose sites are not used. qc_statusBadInput: a list of the
-/// definition is neither empty nor as long as the mesh's triangles need it, an index is out of range, or the piece is
-/// not one of this mesh. O(triangles of the piece). Thread-safety: any thread, several at once.
+/// definition is neither empty nor as long as the mesh's triangles need it, an index is out of range, or the piece
+/// names a triangle that the mesh lacks. O(triangles of the piece). Thread-safety: any thread, several at once.
 QC_API qcPieceTexture qcTexturePiece(const qcFractureDef& mesh, const qcPiece& piece, const qcTextureDef& texture);
 
 /// For each corner of the triangles below piece.firstCutTriangle, the weights of its source triangle's three corners, 0
-/// to 1, which add up to 1: they interpolate any other attribute of the mesh. Empty if the piece is not one of this
-/// mesh. O(triangles of the piece). Thread-safety: any thread, several at once.
+/// to 1, which add up to 1: they interpolate any other attribute of the mesh. Empty if the piece names a triangle that
+/// the mesh lacks. O(triangles of the piece). Thread-safety: any thread, several at once.
 QC_API std::vector<btVector3> qcWeightsOfPiece(const qcFractureDef& mesh, const qcPiece& piece);
 /// @}
 

@@ -226,6 +226,31 @@ START_TEST(contents_are_checked_although_their_hashes_are_right)
 }
 END_TEST
 
+START_TEST(moments_that_single_precision_does_not_hold_are_loaded_as_zeros)
+{
+    std::vector<unsigned char> bytes = SavedBytes();
+    const double moments[3] = {1e50, 1e-50, 2};
+    // Behind four numbers, the volume and the frame: plugin/docs/piece_files.md.
+    constexpr size_t offset = 4 * sizeof(uint32_t) + sizeof(double) + 12 * sizeof(double);
+    size_t number = 0;
+    ForEachRecord(bytes,
+                  [&](size_t at, size_t)
+                  {
+                      // The first piece.
+                      if (number++ == 1)
+                          std::memcpy(&bytes[at + sizeof(qcRecordHead) + offset], moments, sizeof moments);
+                  });
+    Sign(&bytes);
+    WritePieces(bytes);
+    const qcFracture fracture = qcFracture_Load(s_path.c_str());
+    ck_assert_msg(fracture.status == qc_statusOk, "%s", fracture.message.c_str());
+    const bool isSingle = sizeof(btScalar) == sizeof(float);
+    for (int i = 0; i < 3; i++)
+        ck_assert_double_eq(double(fracture.pieces[0].inertia[i]), isSingle && i < 2 ? 0 : moments[i]);
+    std::remove(s_path.c_str());
+}
+END_TEST
+
 START_TEST(messages_name_the_place)
 {
     const std::vector<unsigned char> whole = SavedBytes();
@@ -420,6 +445,7 @@ QC_TEST_MAIN()
                                   a_file_that_ends_early_is_refused_wherever_it_ends,
                                   a_file_with_any_byte_changed_is_refused,
                                   contents_are_checked_although_their_hashes_are_right,
+                                  moments_that_single_precision_does_not_hold_are_loaded_as_zeros,
                                   messages_name_the_place,
                                   no_path_is_refused,
                                   an_old_file_stays_until_the_new_one_is_complete,
