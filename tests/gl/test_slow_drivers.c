@@ -32,7 +32,7 @@ static qcBodyDef BodyDefOf(const qcSoup* cloth)
     return body;
 }
 
-/// As long as ten steps of the sweep, which a sanitizer slows down.
+/// Ten steps of the sweep, which a sanitizer slows down.
 static useconds_t FindDelay(void)
 {
     enum

@@ -51,7 +51,7 @@ START_TEST(cubes_that_touch_leave_each_other_slowly)
 }
 END_TEST
 
-// As the pieces of a body that breaks in flight.
+// Pieces of a body that breaks in flight do so.
 START_TEST(cubes_that_fly_and_turn_as_one_body_are_not_thrown_apart)
 {
     qcMeshWorld world;
