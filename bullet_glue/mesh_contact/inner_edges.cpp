@@ -1,6 +1,8 @@
 // Contact points at inner edges: left out, or straightened.
 #include "mesh_contact/inner_edges.h"
 
+#include "common/rigid_motion.h"
+
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/CollisionShapes/btConvexShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
@@ -119,9 +121,9 @@ struct TriangleOfPlane : btTriangleCallback
 } // namespace
 
 qcInnerEdgeFilter::qcInnerEdgeFilter(const qcMeshShape& mesh, const btTransform& place, const btVector3& center,
-                                     btManifoldResult* result)
+                                     Points points, btManifoldResult* result)
     : btManifoldResult(result->getBody0Wrap(), result->getBody1Wrap()), m_mesh(mesh), m_place(place),
-      m_center(place.invXform(center)), m_result(result)
+      m_center(place.invXform(center)), m_points(points), m_result(result)
 {
     m_closestPointDistanceThreshold = result->m_closestPointDistanceThreshold;
     m_manifoldPtr = result->getPersistentManifold();
@@ -142,6 +144,20 @@ void qcInnerEdgeFilter::setShapeIdentifiersB(int part, int index)
 {
     m_triangle = index;
     m_result->setShapeIdentifiersB(part, index);
+}
+
+bool qcInnerEdgeFilter::IsPassed(const btVector3& normal, const btVector3& point) const
+{
+    if (m_points == Points::all)
+        return true;
+    btScalar recession = 0;
+    for (const btCollisionObjectWrapper* body : {m_result->getBody0Wrap(), m_result->getBody1Wrap()})
+        if (body->getCollisionObject()->isKinematicObject())
+        {
+            const btScalar along = qcRigidMotion(body->getCollisionObject()).VelocityAt(point).dot(normal);
+            recession += body->getCollisionShape()->isConvex() ? along : -along;
+        }
+    return (recession > 0) == (m_points == Points::receding);
 }
 
 /// The normal of a triangle around this one's point that leads nearer to what is outward, towards the convex shape;
@@ -176,6 +192,8 @@ bool qcInnerEdgeFilter::IsFlatUnder(const btCollisionObjectWrapper& convex, cons
 
 void qcInnerEdgeFilter::addContactPoint(const btVector3& normal, const btVector3& point, btScalar distance)
 {
+    if (!IsPassed(normal, point))
+        return;
     btVector3 passed = normal;
     // A large depth along one normal is no measure of the depth along another one.
     const bool isDeep = distance < -m_manifoldPtr->getContactBreakingThreshold();

@@ -17,8 +17,17 @@
 class qcInnerEdgeFilter : public btManifoldResult
 {
   public:
+    /// Which points are passed on: all, those where kinematic bodies of the pair go away from the other body, or the
+    /// others.
+    enum class Points
+    {
+        all,
+        receding,
+        notReceding
+    };
+
     /// `place`: of the mesh; `center`: of the convex shape. The others are needed as long as the filter.
-    qcInnerEdgeFilter(const qcMeshShape& mesh, const btTransform& place, const btVector3& center,
+    qcInnerEdgeFilter(const qcMeshShape& mesh, const btTransform& place, const btVector3& center, Points points,
                       btManifoldResult* result);
     /// Hands over the manifold that Bullet's algorithm has filled.
     ~qcInnerEdgeFilter() override;
@@ -31,6 +40,7 @@ class qcInnerEdgeFilter : public btManifoldResult
     void addContactPoint(const btVector3& normal, const btVector3& point, btScalar distance) override;
 
   private:
+    bool IsPassed(const btVector3& normal, const btVector3& point) const;
     btVector3 NearerNormal(const btVector3 corners[3], const btVector3& point, const btVector3& outward,
                            btScalar size) const;
     bool IsFlatUnder(const btCollisionObjectWrapper& convex, const btVector3& normal, const btVector3& point,
@@ -39,6 +49,7 @@ class qcInnerEdgeFilter : public btManifoldResult
     const qcMeshShape& m_mesh;
     const btTransform& m_place;
     const btVector3 m_center; ///< in the frame of the mesh
+    const Points m_points;
     btManifoldResult* m_result;
     int m_triangle = -1; ///< that Bullet's algorithm is at
 };

@@ -135,7 +135,32 @@ START_TEST(a_body_on_a_lift_that_goes_down_keeps_its_weight_and_friction)
 }
 END_TEST
 
-// Contact points are too far away then: limits of the step's motion hold the load, and have friction.
+START_TEST(a_tower_stands_on_a_lift_that_goes_down_and_up)
+{
+    Lift lift(s_kinematicFlags[0], LiftShape(_i));
+    std::vector<btRigidBody*> crates = {lift.load};
+    for (int i = 1; i < 4; i++)
+    {
+        const btVector3 place = lift.load->getWorldTransform().getOrigin() +
+                                btVector3(0, 2 * (s_loadHalf + btScalar(0.01)) * btScalar(i), 0);
+        crates.push_back(lift.made.Add(lift.load->getCollisionShape(), 1, place));
+        crates.back()->setActivationState(DISABLE_DEACTIVATION);
+    }
+    for (int step = 0; step < 600; step++)
+    {
+        lift.speed = 4 * btSin(btScalar(step) / 40);
+        lift.Step(qcStep);
+    }
+    for (const btRigidBody* crate : crates)
+    {
+        const btTransform& place = crate->getWorldTransform();
+        ck_assert_double_gt(double(place.getBasis()[1][1]), 0.99);
+        ck_assert_double_lt(std::hypot(double(place.getOrigin().x()), double(place.getOrigin().z())), 0.15);
+    }
+}
+END_TEST
+
+// On a compound contact points are too far away: limits of the step's motion hold the load, and have friction.
 START_TEST(a_body_on_a_fast_lift_of_any_shape_keeps_its_friction)
 {
     for (btScalar speed : {btScalar(1.5), btScalar(3), btScalar(6)})
@@ -157,6 +182,7 @@ QC_TEST_MAIN()
 {
     TCase* tests = qcMakeCase("kinematic_lift");
     tcase_add_loop_test(tests, a_body_on_a_lift_that_goes_down_keeps_its_weight_and_friction, 0, 2);
+    tcase_add_loop_test(tests, a_tower_stands_on_a_lift_that_goes_down_and_up, 0, lift_compoundOfMesh);
     tcase_add_loop_test(tests, a_body_on_a_fast_lift_of_any_shape_keeps_its_friction, 0, lift_shapes);
     return qcRunCase("kinematic_lift", tests);
 }
