@@ -93,6 +93,7 @@ cmp "$source/LICENSE" "$manual/LICENSE"
 for file in README.md plugin/docs/bullet.md plugin/docs/proofs/preload.md demos/cloth/cloth.png; do
     cmp "$source/$file" "$manual/$file"
 done
+sh "$source/tests/house/test_links.sh" "$manual"
 "$CC" "$manual/demos/hello/core.c" -I"$prefix/include" -fsyntax-only
 for program in "$manual"/demos/hello/*.cpp; do
     # shellcheck disable=SC2046 # Flags are words.

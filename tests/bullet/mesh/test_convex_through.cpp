@@ -384,7 +384,8 @@ START_TEST(fast_kinematic_convex_shapes_pass_no_mesh)
     const qcModel core = qcCoreModel(shape.get()), box = SmallBoxModel();
     int limited = 0;
     for (unsigned start = 1; start <= s_starts; start++)
-        for (btScalar speed : {btScalar(3), btScalar(10), btScalar(60)})
+        // At 47 m/s none stops in the mesh.
+        for (btScalar speed : {btScalar(3), btScalar(10), btScalar(47), btScalar(60)})
         {
             qcRandomNumbers random(start);
             qcMeshWorld world;
