@@ -18,8 +18,9 @@
 /// qcSoftBodySettings::selfCollision replaces VF_DD and btSoftBody::setSelfCollision, which are ignored; Bullet's
 /// repulsion and its geometric collisions don't run.
 ///
-/// Bodies of tetrahedra carry loads with their elasticity: a linear system for those that touch each other or rigid
-/// bodies that can move, about as much work as Bullet's implicit solver. Contacts that are a step old take part.
+/// Bodies of tetrahedra, and pinned sheets without anchors, carry loads with their elasticity: a linear system for
+/// those that touch each other or rigid bodies that can move, about as much work as Bullet's implicit solver. Contacts
+/// that are a step old take part.
 ///
 /// Contacts don't move anchored nodes and bodies of the reduced model; other bodies are kept away from them.
 ///
