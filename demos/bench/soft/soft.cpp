@@ -242,7 +242,8 @@ extern "C" qcExitStatus qcBench_RunSoft(int argumentCount, char** arguments)
         "cost of a "
         "step beside Bullet's, with all promises of this library and with Bullet's own.\vExit status: as for qc-bench.";
     Options options;
-    const qcOption table[] = {{0, "out", "FOLDER", "Where soft.csv goes; %s by default, made if it is missing",
+    const qcOption table[] = {{0, "out", "FOLDER",
+                               "Where soft.csv and soft_demos.csv go; %s by default, made if it is missing",
                                qcOption_Folder(&options.out)},
                               {0, "demos", nullptr, "Only the small scenes", qcOption_Flag(&options.demosOnly, true)},
                               {0, "steps", "N", "Steps of each of the small scenes; %s by default",
