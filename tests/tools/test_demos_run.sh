@@ -1,6 +1,6 @@
 #!/bin/sh
-# demos/run.sh with stand-ins for the programs: --help and mistakes leave the results of a run before, a new run replaces
-# them, and a live window opens in place of files.
+# demos/run.sh with stand-ins for the programs: --help and mistakes leave the results of a run before, a new run
+# replaces them, and a live window opens in place of files.
 #   test_demos_run.sh SOURCE_FOLDER
 set -eu
 
