@@ -39,17 +39,26 @@ Arguments are the demo's own; "demos/run.sh DEMO --help" explains them.
 END
 }
 
+# has_results STATUS: statuses from 2 on say that nothing was measured; 130: Ctrl-C ended it.
+has_results()
+{
+    [ "$1" -le 1 ] || [ "$1" -ge 128 ]
+}
+
+# opens_window ARGUMENT...
+opens_window()
+{
+    case " $* " in
+        *' --view '* | *' --view-show'* | *' --view-screenshot'*) return 0 ;;
+    esac
+    return 1
+}
+
 # keep_output FILE COMMAND [ARGUMENT...]: keeps what a program prints in a file, below the command line, for the report.
 keep_output()
 {
     kept=$1
     shift
-    case " $* " in
-        *' --help '* | *' -? '* | *' --usage '*)
-            "$@"
-            return
-            ;;
-    esac
     mkdir -p "${kept%/*}"
     # Ctrl-C ends the program, not this script: what was done is kept, and what was drawn becomes a film.
     trap : INT
@@ -62,8 +71,7 @@ keep_output()
     } | tee -i "$kept.new"
     trap - INT
     status=$(cat "$kept.status")
-    # Statuses from 2 on: nothing was measured. 130: Ctrl-C ended it.
-    if [ -s "$kept.new" ] && { [ "$status" -le 1 ] || [ "$status" -ge 128 ]; }; then
+    if [ -s "$kept.new" ] && has_results "$status"; then
         {
             echo "$ $typed"
             cat "$kept.new"
@@ -74,11 +82,23 @@ keep_output()
     return "$status"
 }
 
-# clear_film NAME: frames of a longer run before would end up in the film.
-clear_film()
+# set_film_aside NAME: pictures of a longer run before would end up in the film.
+set_film_aside()
 {
-    mkdir -p "$root/out/$1"
-    rm -f "$root/out/$1"/frame_*.png "$root/out/$1/$1.mp4"
+    mkdir -p "$root/out/$1/before"
+    find "$root/out/$1" -maxdepth 1 \( -name '*_[0-9][0-9][0-9][0-9].png' -o -name "$1.mp4" \) \
+        -exec mv -t "$root/out/$1/before" {} +
+}
+
+# end_film NAME FRAMES_A_SECOND STATUS: a film in place of the one before, which stays if there are no results.
+end_film()
+{
+    if has_results "$3"; then
+        make_film "$1" "$2"
+    else
+        find "$root/out/$1/before" -type f -exec mv -t "$root/out/$1" {} +
+    fi
+    rm -r "$root/out/$1/before"
 }
 
 # make_film NAME FRAMES_A_SECOND: from the frames in out/NAME.
@@ -92,16 +112,19 @@ make_film()
     fi
 }
 
-# run_filmed NAME FRAMES_A_SECOND [ARGUMENT...]: a demo that draws, and a film of its frames.
+# run_filmed NAME FRAMES_A_SECOND [ARGUMENT...]: a demo that draws, and a film of its frames; or its window.
 run_filmed()
 {
     name=$1
     rate=$2
     shift 2
-    clear_film "$name"
+    if opens_window "$@"; then
+        exec "$root/build/demos/qc-$name" --out "$root/out/$name" "$@"
+    fi
+    set_film_aside "$name"
     status=0
     keep_output "$root/out/$name/$name.txt" "$root/build/demos/qc-$name" --out "$root/out/$name" "$@" || status=$?
-    make_film "$name" "$rate"
+    end_film "$name" "$rate" "$status"
     return "$status"
 }
 
@@ -116,12 +139,12 @@ run_breaking()
 
 run_through()
 {
-    clear_film through
+    set_film_aside through
     status=0
     keep_output "$root/out/through/through.txt" "$root/build/demos/qc-bench" through --frames "$root/out/through" \
         --csv "$root/out/through/through.csv" "$@" || status=$?
     # Four pictures a step.
-    make_film through 12
+    end_film through 12 "$status"
     return "$status"
 }
 
@@ -129,7 +152,6 @@ run_bench()
 {
     bench=$root/build/demos/qc-bench
     case ${1-} in
-        -h | --help) "$bench" --help ;;
         '' | -*) run_benchmark accuracy "$@" ;;
         ablation)
             shift
@@ -137,13 +159,24 @@ run_bench()
             ;;
         paper)
             case "$*" in
-                *--help* | *--recordings*) ;;
+                *--recordings*) ;;
                 *) for scene in cloth breaking leaves; do make_recording "$scene"; done ;;
             esac
             run_benchmark "$@"
             ;;
         *) run_benchmark "$@" ;;
     esac
+}
+
+# show_answer ARGUMENT...: what the program says of itself.
+show_answer()
+{
+    case $demo${1:+ $1} in
+        through*) set -- through "$@" ;;
+        'bench ablation') shift ;;
+        'bench -h') set -- --help ;;
+    esac
+    exec "$root/build/demos/$program" "$@"
 }
 
 # make_recording DEMO: its recording for "bench paper", if it is missing. No device: all methods give the same run.
@@ -215,10 +248,15 @@ root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 # shellcheck source=/dev/null
 . "$root/tests/setup.sh"
 
+# One benchmark, by two names.
+if [ "$demo ${1-}" = 'bench through' ]; then
+    demo=through
+    shift
+fi
 # shellcheck disable=SC2034 # Read by qc_install.
-case " $* " in
-    *' --view '*) qc_wishes=view ;;
-esac
+if opens_window "$@"; then
+    qc_wishes=view
+fi
 case $demo in
     cloth | leaves) qc_install build demos ;;
     fracture | breaking | through) qc_install build demos models ;;
@@ -242,9 +280,9 @@ if [ -f "$root/build/CMakeCache.txt" ]; then
 else
     qc_build "$root" "$program" -DQC_BUILD_TESTS=OFF
 fi
-# A live window has no frames and no film.
+# Questions change no results.
 case " $* " in
-    *' --view '*) exec "$root/build/demos/$program" --out "$root/out/$demo" "$@" ;;
+    *' -h '* | *' --help '* | *' -? '* | *' --usage '* | *' --version '* | *' -V '*) show_answer "$@" ;;
 esac
 case $demo in
     # 120 steps a second, a frame every 10; 600 steps.

@@ -97,7 +97,7 @@ static const char s_help[] =
     "\v\"qc-bench BENCHMARK --help\" lists the options of one.\n\n"
     "Exit status: 0 done; 1 output could not be written, out of memory, or a method that never misses missed; 2 a "
     "mistake on the command line; 3 a model or recording can't be read; 4 the device does not work here; 5 no peer "
-    "library was there when this was built.";
+    "library was there when this was built; 130 ended by Ctrl-C.";
 
 int main(int argumentCount, char** arguments)
 {

@@ -38,8 +38,9 @@ const char s_help[] =
     "loaded; "
     "each impact breaks the bonds between pieces near it, and what has lost the ground falls.\v"
     "Ctrl-C ends it with a table of what was done.\n\n"
-    "Exit status: 0 done; 1 a mesh could not be read or cut, output could not be written, a query failed, or a method "
-    "that never misses missed; 2 a mistake on the command line; 4 the device does not work here; 130 ended by Ctrl-C.";
+    "Exit status: 0 done; 1 output could not be written, a query failed, or a method that never misses "
+    "missed; 2 a mistake on the command line; 3 a mesh can't be read or cut; 4 the device does not "
+    "work here; 130 ended by Ctrl-C.";
 
 double ProcessorMs()
 {
@@ -142,7 +143,8 @@ bool LoadModel(const Options& options, qcBreakingModel* model, qcBreakingRun* ru
     std::string message;
     if (!qcMakeBreakingModel(def, model, &message))
         return qcDemo_Fail(message);
-    run->standsIn = def.dragon.empty() || def.bunny.empty();
+    run->knotStandsIn = def.dragon.empty();
+    run->ballStandsIn = def.bunny.empty();
     run->dragonTriangles = model->dragonTriangles;
     run->bunnyTriangles = model->bunny.shape->getTriangleCount();
     run->pieces = model->shapes.size();

@@ -133,8 +133,10 @@ void qcPrintBreakingTable(const qcBreakingRun& run, const qcDetectDef& request, 
 {
     std::printf("\nA bunny of %u triangles falls on a dragon of %u triangles: %zu steps of 1/%.0f s\n",
                 run.bunnyTriangles, run.dragonTriangles, run.rows.size(), 1 / qcBreakingWorld::stepSeconds);
-    if (run.standsIn)
-        std::printf("  (a knot and a ball stand in: the models' files were not there)\n");
+    if (run.knotStandsIn)
+        std::printf("  (a knot stands in for the dragon: --dragon names no file)\n");
+    if (run.ballStandsIn)
+        std::printf("  (a ball stands in for the bunny: its file was not there)\n");
     std::printf("  Cut in advance into %zu pieces of %zu triangles with %zu bonds, in %.1f s\n", run.pieces,
                 run.pieceTriangles, run.bonds, run.loadMs / 1000);
     if (!run.fallback.empty())
@@ -165,6 +167,5 @@ void qcPrintBreakingTable(const qcBreakingRun& run, const qcDetectDef& request, 
             resolution = std::max(resolution, row.results[qc_queryQuick].resolution);
         }
     qcPrintQuerySettings(request, resolution, device);
-    if (!frames.empty())
-        qcPrintQueryTable("The bunny and all pieces", frames);
+    qcPrintQueryTable("The bunny and all pieces", frames);
 }

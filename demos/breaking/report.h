@@ -21,7 +21,7 @@ struct qcBreakingRun
     size_t pieces = 0, pieceTriangles = 0, bonds = 0; ///< of the dragon
     double loadMs = 0;                                ///< reading, cutting, trees
     size_t penetratingPairs = 0;                      ///< of triangles of two bodies, at the end
-    bool standsIn = false;                            ///< the models are the program's own
+    bool knotStandsIn = false, ballStandsIn = false;  ///< for the dragon, for the bunny
     std::string fallback;                             ///< why another method than the requested one ran, or empty
 };
 

@@ -178,9 +178,11 @@ int Run(const Options& options, qcDevice* device)
     with.selfCollision = pulled.selfCollision = pulled.isPulled = true;
     if (!demo.Simulate(&with, &pulled) || !demo.Simulate(&without, nullptr))
         return qc_exitFailed;
-    std::vector<const qcClothRun*> runs = {&with, &without};
-    if (!pulled.steps.empty())
-        runs.push_back(&pulled);
+    std::vector<const qcClothRun*> runs = {&with};
+    // An act that Ctrl-C left out has no rows.
+    for (const qcClothRun* run : {&without, &pulled})
+        if (!run->steps.empty())
+            runs.push_back(run);
     std::string message;
     if (!qcWriteClothCsv(std::string(options.common.out) + "/cloth.csv", runs, qcClothWorld::stepSeconds, &message))
     {
@@ -211,7 +213,7 @@ int main(int argumentCount, char** arguments)
         {1, "compare-every", "N", "Frames from one on which all methods are compared to the next; %s by default",
          qcOption_Number(&options.compareEvery, 1, 1000000)},
         {1, "record", "FILE",
-         "Record each step's cloth for \"qc-bench paper\" in FILE; without self-collision in FILE_without",
+         "Record each step's cloth for \"qc-bench paper\"; for cloth.qcr, without self-collision in cloth_without.qcr",
          qcOption_Text(&options.record)}};
     qcDemo_AddSampledOptions(&rows, "Axes to look along; xz by default, as in the paper", &options.request);
     qcView_AddOptions(&rows, &options.view);

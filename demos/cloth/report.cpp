@@ -151,9 +151,10 @@ void qcPrintClothTable(const qcClothRuns& runs, qcMethod method, const qcDetectD
              [](const qcClothRun& run) { return run.steps.empty() ? 0 : run.steps.back().Penetrating(); });
     PrintFilter(runs);
 
-    qcPrintQuerySettings(
-        request, uint32_t(Largest(first, [](const qcClothStep& s) { return s.results[qc_queryQuick].resolution; })),
-        device);
+    qcPrintQuerySettings(request,
+                         uint32_t(Largest(first, [](const qcClothStep& s)
+                                          { return s.compared ? s.results[qc_queryQuick].resolution : 0; })),
+                         device);
     if (device.kind == qc_deviceNone)
         return;
     for (const qcClothRun* run : runs)

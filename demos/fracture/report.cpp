@@ -109,9 +109,9 @@ void qcPrintFractureTable(const qcFractureRun& run, const qcDeviceInfo& device)
         columns.push_back({"the break", steps[breaking].costs});
     if (breaking + 1 < count)
         columns.push_back({"mean after", qcMeanCosts(found + 1, steps.end())});
-    columns.push_back({"longest: " + std::to_string(longest + 1), steps[longest].costs});
+    columns.push_back({"longest", steps[longest].costs});
     qcPrintStepCosts("milliseconds of a step", columns);
-    std::printf("\n");
+    std::printf("  %-46s %12zu\n\n", "number of the longest step", longest + 1);
     PrintCourse(run);
 
     btScalar deepest = 0, lowest = BT_LARGE_FLOAT;

@@ -99,6 +99,5 @@ void qcPrintLeavesTable(const qcLeavesRun& run, qcMethod method, const qcDetectD
             resolution = step.results[qc_queryQuick].resolution;
         }
     qcPrintQuerySettings(request, resolution, device);
-    if (!compared.empty())
-        qcPrintQueryTable("leaves and tree", compared);
+    qcPrintQueryTable("leaves and tree", compared);
 }

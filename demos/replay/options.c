@@ -33,7 +33,8 @@ static const char s_help[] =
     "of Bullet in double precision by qc-replay-double.\v"
     "Exit status: 0 all results are the recorded ones; 1 some differ, or output could not be written; 2 a mistake on "
     "the command line; 3 the recording can't be read, is a broadphase of the other precision, or is damaged: what lies "
-    "before the damage is replayed; 4 the device does not work here.";
+    "before the damage is replayed; 4 the device does not work here; 130 ended by Ctrl-C, with a report of what was "
+    "done.";
 
 void qcReplay_ReadOptions(int argumentCount, char** arguments, qcReplayOptions* options)
 {

@@ -82,17 +82,32 @@ static bool AddKnownParts(qcReport* report)
     return true;
 }
 
-/// The part of a file of FOLDER/bench, the one with the longest fitting name; null: none yet.
-static qcReportPart* FindPart(qcReport* report, const char* file)
+/// What the names of a part's files in FOLDER/bench, or of its own folder, begin with; null: it has none there.
+static const char* FindPrefix(const qcReportPart* part, bool isInBench)
+{
+    static const char bench[] = "bench ";
+    if (part->command == NULL)
+        return part->name;
+    bool isBenchmark = strncmp(part->command, bench, sizeof bench - 1) == 0;
+    if (isBenchmark != isInBench)
+        return NULL;
+    return isBenchmark ? part->command + sizeof bench - 1 : part->name;
+}
+
+/// The part of a file of FOLDER/bench, or of a folder, the one with the longest fitting prefix; null: none yet.
+static qcReportPart* FindPart(qcReport* report, const char* name, bool isInBench)
 {
     qcReportPart* found = NULL;
+    size_t longest = 0;
     for (size_t i = 0; i < report->partCount; ++i)
     {
-        qcReportPart* part = &report->parts[i];
-        size_t length = strlen(part->name);
-        if (strncmp(file, part->name, length) == 0 && !isalnum((unsigned char)file[length]) &&
-            (found == NULL || length > strlen(found->name)))
-            found = part;
+        const char* prefix = FindPrefix(&report->parts[i], isInBench);
+        size_t length = prefix != NULL ? strlen(prefix) : 0;
+        if (length > longest && strncmp(name, prefix, length) == 0 && !isalnum((unsigned char)name[length]))
+        {
+            found = &report->parts[i];
+            longest = length;
+        }
     }
     return found;
 }
@@ -131,7 +146,7 @@ static bool AddFolder(qcReport* report, const char* folder, const char* partName
         const char* name = entries[i]->d_name;
         if (isAdded && FindKind(name) != qc_reportOther && name[0] != '.')
         {
-            qcReportPart* part = FindPart(report, partName != NULL ? partName : name);
+            qcReportPart* part = FindPart(report, partName != NULL ? partName : name, partName == NULL);
             const char* newName = partName != NULL ? partName : name;
             if (part == NULL)
                 part = AddPart(report, newName, partName != NULL ? strlen(partName) : strcspn(name, "_."), NULL, NULL);

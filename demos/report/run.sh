@@ -47,15 +47,14 @@ run_part()
     [ "$status" -eq 0 ] || echo "demos/run.sh report: $1 ended with status $status" >&2
 }
 
-# True if there are results of a part, of a run that was not ended by Ctrl-C.
+# is_there NAME ARGUMENTS: true if there are results of a part, of a run that was not ended by Ctrl-C.
 is_there()
 {
-    for text in "$out/$1/$1.txt" "$out/bench/$1.txt"; do
-        if [ -f "$text" ] && ! tail -n 1 "$text" | grep -q '^Exit status 130$'; then
-            return 0
-        fi
-    done
-    return 1
+    case $2 in
+        'bench '*) text=$out/bench/${2#bench }.txt ;;
+        *) text=$out/$1/$1.txt ;;
+    esac
+    [ -f "$text" ] && ! tail -n 1 "$text" | grep -q '^Exit status 130$'
 }
 
 run_parts()
@@ -65,7 +64,7 @@ run_parts()
         case $name in
             '' | '#'*) continue ;;
         esac
-        if [ -n "$all" ] || ! is_there "$name"; then
+        if [ -n "$all" ] || ! is_there "$name" "$arguments"; then
             [ -z "$interrupted" ] || continue
             run_part "$name" "$arguments" "$quick"
         fi

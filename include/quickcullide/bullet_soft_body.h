@@ -119,9 +119,9 @@ struct qcSoftBodyStatistics
 /// qcDeformableWorld): contact moves the joints by their inertia alone, and Bullet solves their limits, motors and all
 /// other constraints in the next step. Triangles with an anchored node don't collide with the body of the anchor.
 /// - Boxes and polyhedra have their own faces. Spheres, capsules, cylinders, cones and any other convex shape have
-///   triangles around them that are at most half the surface's margin away or, at the limit of 4096, a 400th of the
-///   radius (round shapes) or a 100th of the half extent (others). Static triangle meshes, btGImpactMeshShape and
-///   terrains have theirs; of planes, and of meshes with more than a million triangles, what lies near soft bodies.
+///   triangles around them that are at most half the surface's margin away or, at the limit of 4096 triangles, a 400th
+///   of the radius (round shapes) or a 100th of the half extent (others). Static triangle meshes, btGImpactMeshShape
+///   and terrains have theirs; of planes, and of meshes with more than a million triangles, what lies near soft bodies.
 ///   Triangles are made when a soft body first comes near and kept; see updateShape.
 /// - The margin of a surface: Bullet's, where the shape proper lies inside of it (polyhedra, cones, meshes), but at
 ///   least that of a qcMeshShape; otherwise 1 cm, at most an eighth of the smallest half extent.

@@ -129,6 +129,11 @@ START_TEST(a_missing_recording_is_skipped_with_the_command_that_makes_it)
     ck_assert_ptr_nonnull(strstr(GetOutput(), "Cloth over a table"));
     ck_assert_int_eq(Run("%s paper --recordings nowhere --device none --out o", BENCH), 3);
     ck_assert_ptr_nonnull(strstr(GetErrors(), "no recording was found"));
+    // The factors have the recording of cloth-without, which is named once.
+    ck_assert_int_eq(Run("%s paper --recordings nowhere --out o", BENCH), 3);
+    const char* line = strstr(GetOutput(), "cloth-without is skipped");
+    ck_assert_ptr_nonnull(line);
+    ck_assert_ptr_null(strstr(line + 1, "cloth-without is skipped"));
 }
 END_TEST
 

@@ -351,6 +351,7 @@ static const Refused s_refused[] = {
     {"--out file/below", 1, "file: Not a directory"},
     {"--scenes dragon --dragon none.ply", 3, "none.ply"},
     {"--scenes bunny --bunny file", 3, "file"},
+    {"--scenes bunny --bunny none.obj", 3, "none.obj"},
 };
 
 START_TEST(a_mistake_is_refused_with_a_message_that_names_it)
@@ -367,11 +368,9 @@ END_TEST
 
 START_TEST(a_missing_model_is_skipped)
 {
-    ck_assert_int_eq(Run("cp %s qc-bench && cp %s qc-bench-peer-bullet.so && ./qc-bench peers --scenes bunny,dragon "
-                         "--bunny none.obj --out .",
-                         BENCH, LIAR),
-                     0);
-    ck_assert_ptr_nonnull(strstr(GetOutput(), "bunny is skipped: none.obj is not there"));
+    ck_assert_int_eq(
+        Run("cp %s qc-bench && cp %s qc-bench-peer-bullet.so && ./qc-bench peers --scenes dragon --out .", BENCH, LIAR),
+        0);
     ck_assert_ptr_nonnull(strstr(GetOutput(), "dragon is skipped: --dragon names no file"));
     ck_assert_ptr_nonnull(strstr(GetErrors(), "nothing ran: no picture"));
 }

@@ -48,6 +48,17 @@ START_TEST(no_hit_is_lost_and_batches_agree_with_single_calls)
 }
 END_TEST
 
+START_TEST(a_signal_leaves_the_rows_so_far)
+{
+    EnterFolder();
+    ck_assert_int_eq(
+        Run("timeout --foreground --preserve-status -s TERM 2 " PROGRAM " --mesh hills-5k --budget 1000 --out o"),
+        128 + 15);
+    ck_assert_int_eq(Run("test $(wc -l <o/queries.csv) -gt 1 && test -s o/queries_batches.csv"), 0);
+    LeaveFolder();
+}
+END_TEST
+
 START_TEST(mistakes_are_refused_with_a_message)
 {
     static const CommandMistake wrong[] = {
@@ -67,4 +78,5 @@ START_TEST(mistakes_are_refused_with_a_message)
 }
 END_TEST
 
-QC_RUN_TESTS("bench queries", no_hit_is_lost_and_batches_agree_with_single_calls, mistakes_are_refused_with_a_message)
+QC_RUN_TESTS("bench queries", no_hit_is_lost_and_batches_agree_with_single_calls, a_signal_leaves_the_rows_so_far,
+             mistakes_are_refused_with_a_message)

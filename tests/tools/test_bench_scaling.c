@@ -79,6 +79,14 @@ START_TEST(each_size_has_its_rows)
 }
 END_TEST
 
+START_TEST(a_signal_leaves_the_rows_so_far)
+{
+    ck_assert_int_eq(Run("timeout --foreground --preserve-status -s TERM 1 %s scaling --threads 1 --out .", BENCH),
+                     128 + 15);
+    ck_assert_int_eq(Run("test $(wc -l <scaling_meshes.csv) -gt 1 && test -s scaling_boxes.csv"), 0);
+}
+END_TEST
+
 START_TEST(sizes_of_0_are_left_out)
 {
     ck_assert_int_eq(Run("%s scaling --triangles 0 --boxes 100 --out .", BENCH), 0);
@@ -99,6 +107,7 @@ int main(void)
     tcase_add_checked_fixture(tcase, EnterFolder, LeaveFolder);
     tcase_add_test(tcase, the_exponent_is_that_of_the_times_from_20_k_to_1_m);
     tcase_add_test(tcase, each_size_has_its_rows);
+    tcase_add_test(tcase, a_signal_leaves_the_rows_so_far);
     tcase_add_test(tcase, sizes_of_0_are_left_out);
     return qcRunCase("qc-bench scaling", tcase);
 }

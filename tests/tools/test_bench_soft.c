@@ -36,6 +36,16 @@ START_TEST(each_small_scene_has_its_row_and_no_penetrating_pairs)
 }
 END_TEST
 
+START_TEST(a_signal_leaves_the_rows_so_far)
+{
+    ck_assert_int_eq(Run("timeout --foreground --preserve-status -s TERM 2 %s soft --demos --steps 600 --out .", BENCH),
+                     128 + 15);
+    ck_assert_int_eq(Run("test $(wc -l <soft_demos.csv) -gt 1"), 0);
+    ck_assert_int_eq(Run("timeout --foreground --preserve-status -s TERM 1 %s soft --out .", BENCH), 128 + 15);
+    ck_assert_int_eq(Run("test -s soft.csv"), 0);
+}
+END_TEST
+
 START_TEST(mistakes_are_named)
 {
     ck_assert_int_ne(Run("%s soft --demos --steps 0", BENCH), 0);
@@ -50,6 +60,7 @@ int main(void)
     TCase* tcase = qcMakeCase("qc-bench soft");
     tcase_add_checked_fixture(tcase, EnterFolder, LeaveFolder);
     tcase_add_test(tcase, each_small_scene_has_its_row_and_no_penetrating_pairs);
+    tcase_add_test(tcase, a_signal_leaves_the_rows_so_far);
     tcase_add_test(tcase, mistakes_are_named);
     return qcRunCase("qc-bench soft", tcase);
 }

@@ -82,6 +82,9 @@ START_TEST(mistakes_are_refused_with_a_message)
     EnterFolder();
     CheckMistakes(QC_BENCH_PROGRAM " stability", wrong, sizeof wrong / sizeof wrong[0]);
     ck_assert_int_eq(Run(QC_BENCH_PROGRAM " stability --help"), 0);
+    // Whole lines.
+    ck_assert_ptr_nonnull(strstr(GetOutput(), "40 pieces; --full: 5 000 triangles, 200 pieces\n"));
+    ck_assert_ptr_nonnull(strstr(GetOutput(), "30 cells; --full: 250 000 triangles, 700 cells\n"));
     ck_assert_ptr_nonnull(strstr(GetOutput(), "--scene=NAME"));
     LeaveFolder();
 }

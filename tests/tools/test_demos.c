@@ -83,6 +83,8 @@ START_TEST(the_costs_of_a_step_add_up_to_it)
     EnterFolder();
     ck_assert_int_eq(Run(CLOTH " --triangles 800 --steps 30 --pull-steps 20 --device none --out o"), 0);
     CheckCosts();
+    // No column is named twice.
+    ck_assert_int_eq(Run("head -n 1 o/cloth.csv | tr , '\\n' | sort | uniq -d | grep ."), 1);
     LeaveFolder();
 }
 END_TEST
@@ -313,6 +315,8 @@ START_TEST(a_signal_ends_them_with_a_table)
                          " --triangles 200 --steps 1000000 --device none --out c"),
                      128 + 15);
     FindLine(GetOutput(), "the whole step");
+    // The second run has not begun.
+    ck_assert_ptr_null(strstr(GetOutput(), " off"));
     ck_assert_int_eq(Run("test -s c/cloth.csv && test $(ls c | wc -l) -eq 1"), 0);
     LeaveFolder();
 }

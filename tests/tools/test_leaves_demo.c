@@ -11,11 +11,11 @@
 
 static const char s_header[] =
     "step,seconds,step_ms,hanging,kinetic_j,lowest_mm,method,device,detect_ms,respond_ms,contacts,penetrating_before,"
-    "rounds,planes,zone_nodes,exempt,unproven,penetrating_after,cullide_pcs,cullide_found,cullide_missed,cullide_ms,"
-    "quick_pcs,quick_found,quick_missed,quick_ms,quick_sorted_pcs,quick_sorted_found,quick_sorted_missed,"
-    "quick_sorted_ms,quick_sorted_back_pcs,quick_sorted_back_found,quick_sorted_back_missed,quick_sorted_back_ms,"
-    "sweep_pcs,sweep_found,sweep_missed,sweep_ms,auto_pcs,auto_found,auto_missed,auto_ms,layers_pcs,layers_found,"
-    "layers_missed,layers_ms";
+    "rounds,planes,zone_nodes,exempt,unproven,penetrating_after,cullide_pcs,cullide_found,cullide_missed,"
+    "cullide_query_ms,quick_pcs,quick_found,quick_missed,quick_query_ms,quick_sorted_pcs,quick_sorted_found,"
+    "quick_sorted_missed,quick_sorted_query_ms,quick_sorted_back_pcs,quick_sorted_back_found,"
+    "quick_sorted_back_missed,quick_sorted_back_query_ms,sweep_pcs,sweep_found,sweep_missed,sweep_query_ms,auto_pcs,"
+    "auto_found,auto_missed,auto_query_ms,layers_pcs,layers_found,layers_missed,layers_query_ms";
 
 static void CheckStep(const Row* row, void* context)
 {
@@ -64,10 +64,8 @@ END_TEST
 START_TEST(mistakes_are_refused_with_a_message)
 {
     static const CommandMistake wrong[] = {
-        {"--leafs 3", 2, "unrecognized option '--leafs'"},
-        {"--leaves 0", 2, "--leaves: '0' is not"},
-        {"--pcs-every x", 2, "--pcs-every: 'x' is not"},
-        {"--record none/r.qcr", 1, "none/r.qcr"},
+        {"--leafs 3", 2, "unrecognized option '--leafs'"}, {"--leaves 0", 2, "--leaves: '0' is not"},
+        {"--pcs-every x", 2, "--pcs-every: 'x' is not"},   {"--record none/r.qcr", 1, "none/r.qcr"},
         {"--out file/o", 1, "file: Not a directory"},
     };
     EnterFolder();

@@ -183,6 +183,23 @@ START_TEST(texts_and_tables_are_whole)
 }
 END_TEST
 
+START_TEST(a_demo_and_a_benchmark_of_one_name_have_their_own_files)
+{
+    EnterFolder();
+    ck_assert_int_eq(Run("mkdir -p out/bench out/fracture"), 0);
+    WriteText("out/bench/fracture.txt", "$ demos/run.sh bench fracture\nhulls\n");
+    MakePage("");
+    ck_assert_uint_eq(Count("This makes it: <code>demos/run.sh fracture</code>"), 1);
+    ck_assert_uint_eq(Count("This makes it: <code>demos/run.sh bench fracture</code>"), 0);
+    WriteText("out/fracture/fracture.txt", "$ demos/run.sh fracture\npieces\n");
+    ck_assert_int_eq(Run("rm out/bench/fracture.txt"), 0);
+    MakePage("");
+    ck_assert_uint_eq(Count("This makes it: <code>demos/run.sh fracture</code>"), 0);
+    ck_assert_uint_eq(Count("This makes it: <code>demos/run.sh bench fracture</code>"), 1);
+    LeaveFolder();
+}
+END_TEST
+
 START_TEST(what_is_missing_is_named_with_its_command)
 {
     EnterFolder();
@@ -236,5 +253,6 @@ END_TEST
 QC_RUN_TESTS("report", the_page_is_well_formed, nothing_leads_out_of_the_page,
              every_picture_decodes_and_three_frames_stand_for_a_series,
              a_drawing_stands_for_the_same_plot_in_pixels_unless_it_is_older, texts_and_tables_are_whole,
-             what_is_missing_is_named_with_its_command, a_picture_that_is_cut_is_named_not_shown,
-             a_smaller_film_takes_the_place_of_its_namesake, mistakes_are_refused_with_a_message)
+             a_demo_and_a_benchmark_of_one_name_have_their_own_files, what_is_missing_is_named_with_its_command,
+             a_picture_that_is_cut_is_named_not_shown, a_smaller_film_takes_the_place_of_its_namesake,
+             mistakes_are_refused_with_a_message)

@@ -10,7 +10,9 @@
 
 namespace
 {
-const char s_help[] = "Runs each scene with all stages of manifolds, then with each stage switched off.";
+const char s_help[] =
+    "Runs each scene with all stages of manifolds, then with each stage switched off.\v"
+    "Exit status: 0 done; 1 output could not be written; 2 a mistake on the command line; 130 ended by Ctrl-C.";
 
 const char* const s_stages[] = {
     "",
@@ -68,7 +70,7 @@ void qcSwitchOff(const char* stage)
 int main(int argumentCount, char** arguments)
 {
     uint32_t steps = 360;
-    const qcOption rows[] = {{1, "steps", "N", "Length of a simulation in steps of 1/60 s; %s by default",
+    const qcOption rows[] = {{1, "steps", "N", "Length of a simulation in steps of 1/60 s, at least 61; %s by default",
                               qcOption_Number(&steps, 61, 1000000)},
                              {}};
     qcCommandLine line = {rows, s_help, nullptr, nullptr, 0, nullptr, nullptr};

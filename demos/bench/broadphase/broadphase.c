@@ -2,6 +2,7 @@
 #include "bench/broadphase/broadphase.h"
 
 #include "common/files.h"
+#include "common/interrupt.h"
 #include "common/options.h"
 #include "common/output_file.h"
 #include "bench/bench.h"
@@ -87,6 +88,8 @@ static bool MeasureAll(const Options* options, FILE* stream)
             // If all boxes move, both variants are the same.
             for (int all = options->percents.values[j] == 100; all <= 1; all++)
             {
+                if (qcInterrupt_Signal() != 0)
+                    return right;
                 qcBroadphaseResult result;
                 scene.boxes = options->boxes.values[i];
                 scene.percent = options->percents.values[j];
@@ -106,6 +109,7 @@ static bool MeasureAll(const Options* options, FILE* stream)
 
 static bool Run(const Options* options, qcMessage* message)
 {
+    qcInterrupt_Watch();
     qcOutput output;
     if (!qcFiles_Check(options->out, "broadphase.csv", message) ||
         !qcFiles_Open(options->out, "broadphase.csv", &output, message))
@@ -137,7 +141,7 @@ qcExitStatus qcBench_RunBroadphase(int argumentCount, char** arguments)
     qcCommandLine_Parse(&line, argumentCount, arguments);
     qcMessage message;
     if (Run(&options, &message))
-        return qc_exitDone;
+        return qcInterrupt_Signal() == 0 ? qc_exitDone : (qcExitStatus)(qc_exitSignal + qcInterrupt_Signal());
     fprintf(stderr, "%s: %s\n", arguments[0], message.text);
     return qc_exitFailed;
 }

@@ -25,14 +25,16 @@ void qcPrintFractureHead()
 
 void qcPrintFractureRow(const qcFractureRow& row)
 {
-    char rest[16] = "-";
+    char rest[16] = "-", later[16] = "-";
     if (row.restSeconds >= 0)
         std::snprintf(rest, sizeof rest, "%.2f", row.restSeconds);
+    if (row.laterMs > 0)
+        std::snprintf(later, sizeof later, "%.1f", row.laterMs);
     std::printf(
-        "%-7s %4u %6zu %7.1f %7.1f %7.1f %7.1f %6.1f %8.1f %8.1f %8.1f %7.0f %8.1f %6.2f %6.1f %8zu %8.2f %6zu %7s\n",
+        "%-7s %4u %6zu %7.1f %7.1f %7.1f %7.1f %6.1f %8.1f %8s %8.1f %7.0f %8.1f %6.2f %6.1f %8zu %8.2f %6zu %7s\n",
         ShapesOf(row), row.seed, row.pieces, row.breakMs, row.cutMs, row.bodiesMs, row.detectionMs, row.solverMs,
-        row.firstMs, row.laterMs, row.longestMs, row.points, 1000 * row.deepest, 1000 * row.meanDepth,
-        1000 * row.underFloor, row.penetrating, row.energy, row.awake, rest);
+        row.firstMs, later, row.longestMs, row.points, 1000 * row.deepest, 1000 * row.meanDepth, 1000 * row.underFloor,
+        row.penetrating, row.energy, row.awake, rest);
 }
 
 void qcPrintFractureEnd()

@@ -38,12 +38,14 @@ static qcExitStatus Prepare(Run* run, qcMessage* message)
     return status;
 }
 
-/// False, with a line on standard output: the recording is missing.
-static bool FindRecording(const Run* run, const qcPaperScene* scene, char* path, size_t size)
+/// False, with a line on standard output unless `isNamed`: the recording is missing.
+static bool FindRecording(const Run* run, const qcPaperScene* scene, bool isNamed, char* path, size_t size)
 {
     snprintf(path, size, "%s/%s", run->options.recordings, scene->file);
     if (qcFiles_IsThere(path))
         return true;
+    if (isNamed)
+        return false;
     printf("%s is skipped: there is no %s; \"%s --record %s/%s\" makes it\n", scene->name, path, scene->demo,
            run->options.recordings, scene->recordedTo);
     return false;
@@ -54,7 +56,7 @@ static qcExitStatus MeasureScenes(Run* run, qcMessage* message)
     char path[4096];
     for (int i = 0; i < qc_paperSceneCount; ++i)
     {
-        if (!run->options.parts[i] || !FindRecording(run, &qcPaperScenes[i], path, sizeof path))
+        if (!run->options.parts[i] || !FindRecording(run, &qcPaperScenes[i], false, path, sizeof path))
             continue;
         qcPaperRecordingInfo info;
         if (!qcPaperRecording_Inspect(path, &info, message))
@@ -75,9 +77,10 @@ static qcExitStatus MeasureFactors(Run* run, qcMessage* message)
 {
     qcDeviceInfo gl;
     char path[4096];
+    // MeasureScenes names its recording where it is missing and a part by itself.
     const qcPaperScene* scene = &qcPaperScenes[1];
     if (!run->options.parts[qc_paperSceneCount] || qcDevice_GetInfo(run->device, &gl) != qc_statusOk ||
-        gl.kind == qc_deviceNone || !FindRecording(run, scene, path, sizeof path))
+        gl.kind == qc_deviceNone || !FindRecording(run, scene, run->options.parts[1], path, sizeof path))
         return qc_exitDone;
     qcPaperRecordingInfo info;
     if (!qcPaperRecording_Inspect(path, &info, message))

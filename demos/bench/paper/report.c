@@ -126,9 +126,10 @@ void qcPaper_PrintTables(const qcPaperTable* tables, uint32_t tableCount)
     for (uint32_t t = 0; t < tableCount; ++t)
     {
         const qcPaperTable* table = &tables[t];
-        printf("%s: up to %" PRIu32 " bodies, %" PRIu32 " triangles, %" PRIu32 " frames; cullide and quick: views %s, "
+        printf("%s: %s%" PRIu32 " bod%s, %" PRIu32 " triangles, %" PRIu32 " frames; cullide and quick: views %s, "
                "%" PRIu32 " x %" PRIu32 " pixels, %" PRIu32 " rounds\n",
-               table->scene->title, table->info.bodyCount, table->info.triangleCount, table->info.frameCount,
+               table->scene->title, table->info.bodyCount == 1 ? "" : "up to ", table->info.bodyCount,
+               table->info.bodyCount == 1 ? "y" : "ies", table->info.triangleCount, table->info.frameCount,
                table->info.views, table->resolution, table->resolution, table->iterations);
     }
     PrintSizes(tables, tableCount);

@@ -1,7 +1,6 @@
 // The scenes of `qc-bench peers`, by name: cloths and models with themselves, bunnies with each other.
 #include "bench/peers/peers.h"
 
-#include "common/files.h"
 #include "bench/scenes/piles.h"
 #include "bench/scenes/shapes.h"
 #include "common/mesh_io/decimate.h"
@@ -92,10 +91,9 @@ static qcBenchMade MakeModel(const Recipe* recipe, const qcBenchModels* models, 
         case source_wrungTube: return Report(qcBenchShapes_MakeWrungTube(recipe->size, body), message);
         case source_coincident: return Report(qcBenchShapes_MakeCoincident(recipe->size, body), message);
         case source_bunny:
-            if (qcFiles_IsThere(models->bunny))
-                return ReadModel(recipe, models->bunny, body, message);
-            qcMessage_Fail(message, "%s is not there; the package glmark2-data has it", models->bunny);
-            return qc_benchSkipped;
+            if (qcBenchModels_LackBunny(models, message))
+                return qc_benchSkipped;
+            return ReadModel(recipe, models->bunny, body, message);
         case source_dragon:
             if (models->dragon != NULL)
                 return ReadModel(recipe, models->dragon, body, message);

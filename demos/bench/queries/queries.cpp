@@ -3,6 +3,7 @@
 
 #include "bench/bench.h"
 #include "common/files.h"
+#include "common/interrupt.h"
 #include "common/options.h"
 #include "common/output_file.h"
 
@@ -39,7 +40,7 @@ bool MeasureBatches(const Options& options, int index, queries::Comparison* comp
     for (const queries::Case& kind : queries::cases)
     {
         bool isSphere = kind.kind == queries::Kind::sphere;
-        if ((!isSphere && kind.kind != queries::Kind::closestRay) || kind.misses)
+        if ((!isSphere && kind.kind != queries::Kind::closestRay) || kind.misses || qcInterrupt_Signal() != 0)
             continue;
         queries::BatchRow row = comparison->MeasureBatch(kind, threads, options.budget);
         std::printf("%-22s %10.3f", kind.name, row.single);
@@ -50,6 +51,7 @@ bool MeasureBatches(const Options& options, int index, queries::Comparison* comp
                          threads[i], row.single, row.batch[i], row.same);
         }
         std::printf("\n");
+        std::fflush(stdout);
         same = same && row.same;
     }
     return same;
@@ -67,6 +69,8 @@ bool MeasureMesh(const Options& options, int index, FILE* stream, FILE* batches)
     bool right = true;
     for (const queries::Case& kind : queries::cases)
     {
+        if (qcInterrupt_Signal() != 0)
+            return right;
         queries::Row row = comparison.Measure(kind, options.budget);
         std::printf("%-22s %10.3f %10.3f %7.2f %9.2f %8u %7u %6u\n", kind.name, row.ours, row.bullet, row.ratio,
                     row.hits, row.queries, row.differ, row.lost);
@@ -82,6 +86,7 @@ bool MeasureMesh(const Options& options, int index, FILE* stream, FILE* batches)
 
 bool Run(const Options& options, qcMessage* message)
 {
+    qcInterrupt_Watch();
     qcOutput output, batches;
     if (!qcFiles_Check(options.out, "queries.csv", message) ||
         !qcFiles_Open(options.out, "queries.csv", &output, message))
@@ -95,7 +100,7 @@ bool Run(const Options& options, qcMessage* message)
     std::fputs("mesh,query,queries,threads,single us,batch us,same\n", batches.stream);
     bool right = true;
     for (int mesh = 0; mesh < queries::meshCount; mesh++)
-        if (options.meshes[mesh])
+        if (options.meshes[mesh] && qcInterrupt_Signal() == 0)
             right = MeasureMesh(options, mesh, output.stream, batches.stream) && right;
     bool written = qcOutput_Commit(&output, message);
     return qcOutput_Commit(&batches, message) && written &&
@@ -124,7 +129,7 @@ extern "C" qcExitStatus qcBench_RunQueries(int argumentCount, char** arguments)
     try
     {
         if (Run(options, &message))
-            return qc_exitDone;
+            return qcInterrupt_Signal() == 0 ? qc_exitDone : qcExitStatus(qc_exitSignal + qcInterrupt_Signal());
     }
     catch (const std::bad_alloc&)
     {

@@ -2,22 +2,24 @@
 #include "bench/scaling/scaling.h"
 
 #include "common/files.h"
+#include "common/interrupt.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
 static qcExitStatus Measure(const qcScalingOptions* options, qcScalingTable* table, qcMessage* message)
 {
+    qcInterrupt_Watch();
     // Fails here, not after minutes of work.
     if (!qcFiles_Check(options->out, "scaling_meshes.csv", message))
         return qc_exitFailed;
-    for (uint32_t i = 0; i < qcScaling_CountMeshSizes(options); ++i)
+    for (uint32_t i = 0; i < qcScaling_CountMeshSizes(options) && qcInterrupt_Signal() == 0; ++i)
     {
         if (!qcScaling_MeasureMesh(options, i, &table->meshes[table->meshCount], message))
             return qc_exitFailed;
         table->meshCount += options->threadsCount;
     }
-    for (uint32_t i = 0; i < qcScaling_CountBoxSizes(options); ++i)
+    for (uint32_t i = 0; i < qcScaling_CountBoxSizes(options) && qcInterrupt_Signal() == 0; ++i)
     {
         if (!qcScaling_MeasureBoxes(i, &table->boxes[table->boxCount], message))
             return qc_exitFailed;
@@ -27,6 +29,8 @@ static qcExitStatus Measure(const qcScalingOptions* options, qcScalingTable* tab
     if (!qcScaling_WriteCsv(options, table, message))
         return qc_exitFailed;
     printf("\nAll rows: %s/scaling_meshes.csv, %s/scaling_boxes.csv\n", options->out, options->out);
+    if (qcInterrupt_Signal() != 0)
+        return (qcExitStatus)(qc_exitSignal + qcInterrupt_Signal());
     return qcScaling_Plot(options, table, message) ? qc_exitDone : qc_exitFailed;
 }
 
@@ -41,7 +45,7 @@ qcExitStatus qcBench_RunScaling(int argumentCount, char** arguments)
         ending = Measure(&options, table, &message);
     else
         qcMessage_Fail(&message, "out of memory");
-    if (ending != qc_exitDone)
+    if (ending == qc_exitFailed)
         fprintf(stderr, "qc-bench scaling: %s\n", message.text);
     free(table);
     return ending;

@@ -32,7 +32,8 @@ if (hasMeshes) {
         x / 20000.0 * at20K with lines dt 2 lc rgb '#777777' title 'in proportion'
     unset logscale y
     set yrange [0:*]
-    set ylabel 'ns a triangle, on '.word(threads, 1).'; bytes a triangle'
+    onThreads = word(threads, 1) eq '1' ? ' on one thread' : ' on '.word(threads, 1).' threads'
+    set ylabel 'ns a triangle'.onThreads.'; bytes a triangle'
     set title 'for a triangle'
     set key right top
     total(k) = sum [i = 1:k] column('ms_'.word(stages, i))
@@ -51,7 +52,7 @@ if (hasBoxes) {
     set xrange [0.8 * minBoxes:1.25 * maxBoxes]
     set logscale y
     set format y '%g'
-    set ylabel 'ms a step: moves in, pairs of what moved out'
+    set ylabel 'ms a step: boxes moved, their pairs found'
     set title 'by the part that moves'
     set key left top
     set autoscale y

@@ -100,13 +100,19 @@ static bool PutBunny(const qcMesh* model, const Place* place, const double lower
     return true;
 }
 
-static qcBenchMade MakePile(const char* path, qcBenchScene* scene, qcMessage* message)
+bool qcBenchModels_LackBunny(const qcBenchModels* models, qcMessage* message)
 {
-    if (!qcFiles_IsThere(path))
-    {
-        qcMessage_Fail(message, "%s is not there; the package glmark2-data has it", path);
+    if (strcmp(models->bunny, QC_BUNNY_PATH) != 0 || qcFiles_IsThere(QC_BUNNY_PATH))
+        return false;
+    qcMessage_Fail(message, "%s is not there; the package glmark2-data has it", QC_BUNNY_PATH);
+    return true;
+}
+
+static qcBenchMade MakePile(const qcBenchModels* models, qcBenchScene* scene, qcMessage* message)
+{
+    const char* path = models->bunny;
+    if (qcBenchModels_LackBunny(models, message))
         return qc_benchSkipped;
-    }
     qcMesh model;
     if (!qcMesh_ReadFile(path, qc_meshAsDeclared, &model, message))
         return qc_benchFailed;
@@ -148,7 +154,7 @@ static qcBenchMade MakeBodies(const Recipe* recipe, const qcBenchModels* models,
         case kind_cloth: made = qcBenchShapes_MakeCloth((uint32_t)recipe->size, 1.0, &scene->bodies[0]); break;
         case kind_sheets: made = qcBenchShapes_MakeSheets(recipe->size, scene->bodies); break;
         case kind_slivers: made = qcBenchShapes_MakeSlivers((uint32_t)recipe->size, &scene->bodies[0]); break;
-        case kind_pile: return MakePile(models->bunny, scene, message);
+        case kind_pile: return MakePile(models, scene, message);
         case kind_dragon: return MakeDragon(models->dragon, scene, message);
     }
     if (!made)

@@ -24,11 +24,14 @@ typedef struct qcBenchModels
     const char* dragon; ///< or null
 } qcBenchModels;
 
+/// True, with a message that explains how to get it: the bunny of the package is not there, and no other was named.
+bool qcBenchModels_LackBunny(const qcBenchModels* models, qcMessage* message);
+
 typedef enum qcBenchMade
 {
     qc_benchMade,
     qc_benchSkipped, ///< a model is missing; the message explains how to get it
-    qc_benchFailed   ///< a model that is there can't be read, or out of memory
+    qc_benchFailed   ///< a model that is there or was named can't be read, or out of memory
 } qcBenchMade;
 
 enum

@@ -4,6 +4,7 @@
 #include "bench/soft/demo_scenes.h"
 
 #include "common/files.h"
+#include "common/interrupt.h"
 #include "common/output_file.h"
 #include "common/median.h"
 #include "common/stopwatch.h"
@@ -76,6 +77,8 @@ bool qcDemoTable_Run(const char* folder, uint32_t steps, qcMessage* message)
     PrintHead();
     for (const qcDemoSceneDef& def : qcDemoScenes())
     {
+        if (qcInterrupt_Signal() != 0)
+            break;
         DemoRow row = Measure(def, steps);
         PrintRow(row);
         qcFiles_WriteQuoted(output.stream, row.scene);

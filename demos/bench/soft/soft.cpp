@@ -7,6 +7,7 @@
 #include "bench/soft/tangle_scene.h"
 
 #include "common/files.h"
+#include "common/interrupt.h"
 #include "common/stopwatch.h"
 #include "common/options.h"
 #include "common/output_file.h"
@@ -88,7 +89,7 @@ void MeasurePile(Rows* rows)
         qcPileScene scene(def);
         StepTime time;
         int still = 0;
-        for (int step = 0; step < s_pileSteps; step++)
+        for (int step = 0; step < s_pileSteps && qcInterrupt_Signal() == 0; step++)
         {
             time.Step(scene);
             still = std::max(still, scene.Measure().still);
@@ -117,7 +118,7 @@ void MeasureScrambled(Rows* rows)
         StepTime time;
         figures[ours][0] = double(scene.CountTangled());
         int last = 0;
-        for (int step = 1; step <= s_tangleSteps; step++)
+        for (int step = 1; step <= s_tangleSteps && qcInterrupt_Signal() == 0; step++)
         {
             time.Step(scene);
             size_t tangled = scene.CountTangled();
@@ -145,7 +146,7 @@ void MeasureRings(Rows* rows)
         double start = double(scene.Height());
         figures[ours][0] = double(scene.CountTangled());
         int last = 0;
-        for (int step = 1; step <= s_ringSteps; step++)
+        for (int step = 1; step <= s_ringSteps && qcInterrupt_Signal() == 0; step++)
         {
             time.Step(scene);
             last = scene.CountTangled() > 0 ? step : last;
@@ -178,7 +179,7 @@ void MeasureRopes(Rows* rows)
             def.velocity = scene % 2 == 0 ? btVector3(0, -2, 0) : btVector3(0, 0, 2);
             qcRopeScene rope(def);
             int step = 0;
-            for (; step < 1200 && rope.Measure().highest > 0; step++)
+            for (; step < 1200 && rope.Measure().highest > 0 && qcInterrupt_Signal() == 0; step++)
                 rope.Step();
             seconds[ours] = step < 1200 ? step / 60.0 : NAN;
         }
@@ -202,7 +203,7 @@ void PrintRows(const Rows& rows)
         }
         std::printf("  %-48s %12s %12s\n", row.figure, texts[0], texts[1]);
     }
-    std::printf("\n-: not counted, or never within the steps\n");
+    std::fflush(stdout);
 }
 
 bool WriteRows(const Options& options, const Rows& rows, qcMessage* message)
@@ -223,13 +224,19 @@ bool WriteRows(const Options& options, const Rows& rows, qcMessage* message)
 
 bool RunHardScenes(const Options& options, qcMessage* message)
 {
-    Rows rows;
-    MeasurePile(&rows);
-    MeasureScrambled(&rows);
-    MeasureRings(&rows);
-    MeasureRopes(&rows);
-    PrintRows(rows);
-    return WriteRows(options, rows, message);
+    Rows all;
+    for (void (*measure)(Rows*) : {MeasurePile, MeasureScrambled, MeasureRings, MeasureRopes})
+    {
+        Rows rows;
+        measure(&rows);
+        // What was cut short has no figures to compare.
+        if (qcInterrupt_Signal() != 0)
+            break;
+        PrintRows(rows);
+        all.insert(all.end(), rows.begin(), rows.end());
+    }
+    std::printf("\n-: not counted, or never within the steps\n");
+    return WriteRows(options, all, message);
 }
 } // namespace
 
@@ -242,7 +249,8 @@ extern "C" qcExitStatus qcBench_RunSoft(int argumentCount, char** arguments)
         "cost of a "
         "step beside Bullet's, with all promises of this library and with Bullet's own.\vExit status: as for qc-bench.";
     Options options;
-    const qcOption table[] = {{0, "out", "FOLDER", "Where soft.csv goes; %s by default, made if it is missing",
+    const qcOption table[] = {{0, "out", "FOLDER",
+                               "Where soft.csv and soft_demos.csv go; %s by default, made if it is missing",
                                qcOption_Folder(&options.out)},
                               {0, "demos", nullptr, "Only the small scenes", qcOption_Flag(&options.demosOnly, true)},
                               {0, "steps", "N", "Steps of each of the small scenes; %s by default",
@@ -251,6 +259,7 @@ extern "C" qcExitStatus qcBench_RunSoft(int argumentCount, char** arguments)
     qcCommandLine line = {table, help, nullptr, nullptr, 0, nullptr, nullptr};
     qcCommandLine_Parse(&line, argumentCount, arguments);
     qcMessage message;
+    qcInterrupt_Watch();
     if ((!options.demosOnly && !qcFiles_Check(options.out, "soft.csv", &message)) ||
         !qcFiles_Check(options.out, "soft_demos.csv", &message))
     {
@@ -258,8 +267,8 @@ extern "C" qcExitStatus qcBench_RunSoft(int argumentCount, char** arguments)
         return qc_exitFailed;
     }
     bool written = options.demosOnly || RunHardScenes(options, &message);
-    if (written && qcDemoTable_Run(options.out, options.demoSteps, &message))
-        return qc_exitDone;
+    if (written && (qcInterrupt_Signal() != 0 || qcDemoTable_Run(options.out, options.demoSteps, &message)))
+        return qcInterrupt_Signal() == 0 ? qc_exitDone : qcExitStatus(qc_exitSignal + qcInterrupt_Signal());
     std::fprintf(stderr, "%s: %s\n", arguments[0], message.text);
     return qc_exitFailed;
 }

@@ -109,9 +109,10 @@ std::string Help()
     std::string help =
         "Long runs of scenes that come to rest: energy, deepest penetration, pairs of triangles that penetrate, "
         "contacts, memory and time, in a table, a CSV and a picture of each scene. No body may sleep.\n\n";
+    // Lines fit 79 columns: argp would break longer ones without indenting.
     for (const qcStabilitySceneDef& scene : qcStabilityScenes())
         help += std::string("  ") + scene.name + std::string(12 - std::string(scene.name).size(), ' ') + scene.title +
-                ": " + scene.size + "; with --full " + scene.fullSize + "\n";
+                "\n" + std::string(14, ' ') + scene.size + "; --full: " + scene.fullSize + "\n";
     return help + "\vA scene fails if its energy is not finite or grows after it has come to rest by more than lifts "
                   "it a millimetre; if pairs penetrate at the end, or penetrate without being reported; if memory "
                   "grows from the second to the last quarter of the run.\n\n"

@@ -68,10 +68,9 @@ bool Measure(const Options& options, const qcTerrainSetup& setup, Row* row, qcMe
 
 bool MeasureAll(const Options& options, FILE* stream, qcMessage* message)
 {
-    std::printf("%u bodies, %u steps\n\n%-10s %-8s %9s %10s %10s %7s %10s %14s\n", unsigned(options.bodies),
+    std::printf("%u bodies, %u steps\n\n%-10s %-8s %9s %10s %10s %7s %10s   %s\n", unsigned(options.bodies),
                 unsigned(options.steps), "bodies", "start", "triangles", "Bullet, ms", "ours, ms", "ratio",
-                "limits, ms", "below: Bullet,");
-    std::printf("%79s\n", "ours");
+                "limits, ms", "below: Bullet, ours");
     for (int kind = 0; kind < qc_terrainKinds; kind++)
         for (const Start& start : s_starts)
             for (uint32_t cells : s_cells)
@@ -91,7 +90,7 @@ bool MeasureAll(const Options& options, FILE* stream, qcMessage* message)
                 if (qcInterrupt_Signal() != 0)
                     return true;
                 const unsigned triangles = 2 * cells * cells;
-                std::printf("%-10s %-8s %9u %10.3f %10.3f %7.2f %10.3f %8zu, %4zu\n", qcTerrainName(setup.kind),
+                std::printf("%-10s %-8s %9u %10.3f %10.3f %7.2f %10.3f   %13zu, %4zu\n", qcTerrainName(setup.kind),
                             start.name, triangles, row.ms[0], row.ms[1], row.ms[1] / row.ms[0], row.limitMs,
                             row.below[0], row.below[1]);
                 std::fflush(stdout);

@@ -135,7 +135,7 @@ bool Draw(qcDevice* device, const std::vector<float>& positions, const Topology&
     return qcDrawInto(device, def, image, 2 * s_halfWidth, left, message);
 }
 
-bool DrawAll(qcDevice* device, const char* folder, size_t picturesPerStep, std::string* message)
+bool DrawAll(qcDevice* device, const char* folder, size_t picturesPerStep, size_t* pictures, std::string* message)
 {
     Topology topology;
     Film now = Simulate(&topology), before = ReadBefore();
@@ -145,7 +145,8 @@ bool DrawAll(qcDevice* device, const char* folder, size_t picturesPerStep, std::
         return false;
     }
     std::vector<uint8_t> image;
-    for (size_t picture = 0; picture <= s_steps * picturesPerStep && qcInterrupt_Signal() == 0; picture++)
+    size_t& picture = *pictures;
+    for (picture = 0; picture <= s_steps * picturesPerStep && qcInterrupt_Signal() == 0; picture++)
     {
         char name[32];
         std::snprintf(name, sizeof name, "/frame_%04zu.png", picture);
@@ -158,7 +159,7 @@ bool DrawAll(qcDevice* device, const char* folder, size_t picturesPerStep, std::
 }
 } // namespace
 
-qcExitStatus qcDrawThroughFilm(const char* folder, int picturesPerStep, qcMessage* message)
+qcExitStatus qcDrawThroughFilm(const char* folder, int picturesPerStep, size_t* pictures, qcMessage* message)
 {
     qcDeviceDef def = qcDefaultDeviceDef();
     qcDevice* device = nullptr;
@@ -174,7 +175,7 @@ qcExitStatus qcDrawThroughFilm(const char* folder, int picturesPerStep, qcMessag
         return qc_exitDevice;
     }
     std::string reason;
-    bool drawn = DrawAll(device, folder, size_t(picturesPerStep), &reason);
+    bool drawn = DrawAll(device, folder, size_t(picturesPerStep), pictures, &reason);
     qcDevice_Destroy(device);
     if (drawn)
         return qc_exitDone;

@@ -7,8 +7,8 @@
 #include "common/message.h"
 
 /// Simulates the scene and draws both into FOLDER/frame_0000.png and so on; the positions of 0.2.0 are recorded ones,
-/// which are part of the program. Fills the message unless it returns qc_exitDone.
-qcExitStatus qcDrawThroughFilm(const char* folder, int picturesPerStep, qcMessage* message);
+/// which are part of the program. Counts the pictures. Fills the message unless it returns qc_exitDone.
+qcExitStatus qcDrawThroughFilm(const char* folder, int picturesPerStep, size_t* pictures, qcMessage* message);
 
 /// Simulates the scene and writes the positions at the ends of steps to a file: how before_film.txt was made.
 bool qcRecordThroughFilm(const char* path, qcMessage* message);

@@ -76,6 +76,13 @@ void TakeHz(const struct argp_state* state, const char* text, void* context)
     *static_cast<int*>(context) = qcOption_ReadWord(state, "--hz", text, s_hzWords);
 }
 
+void CheckTogether(const struct argp_state* state, void* context)
+{
+    const auto* options = static_cast<const Options*>(context);
+    if (options->film && options->frames == nullptr && options->record == nullptr)
+        argp_error(state, "--scene: film needs --frames FOLDER, where it is drawn");
+}
+
 /// True if the options select this row.
 bool IsSelected(const Options& options, const qcThroughScene& scene, qcThroughKind kind, int hz)
 {
@@ -136,9 +143,12 @@ qcExitStatus Run(const Options& options, qcMessage* message)
         return qc_exitFailed;
     if (options.frames != nullptr && qcInterrupt_Signal() == 0)
     {
-        qcExitStatus drawn = qcDrawThroughFilm(options.frames, options.quick ? s_quickPictures : s_pictures, message);
+        size_t pictures = 0;
+        qcExitStatus drawn =
+            qcDrawThroughFilm(options.frames, options.quick ? s_quickPictures : s_pictures, &pictures, message);
         if (drawn != qc_exitDone)
             return drawn;
+        std::printf("%zu pictures: %s\n", pictures, options.frames);
     }
     if (qcInterrupt_Signal() != 0)
         return qcExitStatus(qc_exitSignal + qcInterrupt_Signal());
@@ -161,7 +171,8 @@ extern "C" qcExitStatus qcBench_RunThrough(int argumentCount, char** arguments)
     Options options;
     const qcOption table[] = {
         {1, "scene", "NAME,...",
-         "Which scenes; motion-query: the time of the library's query; film: only the film; all by default",
+         "Which scenes; motion-query: the time of the library's query; film: only the film, with --frames; all by "
+         "default",
          qcOption_Texts(TakeScene, &options)},
         {1, "world", "WORLD",
          "classic (qcSoftBodySolver), deformable (qcDeformableWorld), both, the default, or implicit: deformable with "
@@ -190,7 +201,7 @@ extern "C" qcExitStatus qcBench_RunThrough(int argumentCount, char** arguments)
         {2, "record", "FILE", "Write the film's positions to this file, for before_film.txt",
          qcOption_Text(&options.record)},
         {}};
-    qcCommandLine line = {table, s_help, nullptr, nullptr, 0, nullptr, nullptr};
+    qcCommandLine line = {table, s_help, nullptr, nullptr, 0, CheckTogether, &options};
     qcCommandLine_Parse(&line, argumentCount, arguments);
     if (options.runs == 0)
         options.runs = options.quick ? s_quickRuns : s_runs;

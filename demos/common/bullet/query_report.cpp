@@ -8,7 +8,7 @@
 void qcWriteQueryHeading(FILE* stream)
 {
     for (const qcComparedQueryDef& query : qcComparedQueries)
-        std::fprintf(stream, ",%s_pcs,%s_found,%s_missed,%s_ms", query.column, query.column, query.column,
+        std::fprintf(stream, ",%s_pcs,%s_found,%s_missed,%s_query_ms", query.column, query.column, query.column,
                      query.column);
 }
 
@@ -33,7 +33,12 @@ void qcPrintQuerySettings(const qcDetectDef& request, uint32_t resolution, const
 {
     if (device.kind == qc_deviceNone)
     {
-        std::printf("\n  No GL on this machine: no pictures, and the methods were not compared.\n");
+        std::printf("\n  Without a GL device: no pictures, and the methods were not compared.\n");
+        return;
+    }
+    if (resolution == 0)
+    {
+        std::printf("\n  No frame was reached on which cullide and quick are compared.\n");
         return;
     }
     std::printf("\nAll methods on the same frames, %s (%s); cullide and quick: views %s, %u x %u pixels, ", device.name,
@@ -46,6 +51,8 @@ void qcPrintQuerySettings(const qcDetectDef& request, uint32_t resolution, const
 
 void qcPrintQueryTable(const char* label, const std::vector<const qcQueryResults*>& frames)
 {
+    if (frames.empty())
+        return;
     std::printf("  %s: %zu frame%s\n", label, frames.size(), frames.size() == 1 ? "" : "s");
     std::printf("    %-34s %10s %10s %8s %8s %10s\n", "", "PCS, mean", "ms, median", "found", "missed", "by device");
     for (size_t i = 0; i < qcComparedQueries.size(); i++)

@@ -13,10 +13,10 @@ void qcWriteQueryHeading(FILE* stream);
 void qcWriteQueryColumns(FILE* stream, const qcQueryResults& results);
 
 /// Prints what the rows of the tables have in common: device, views, resolution, rounds. `resolution`: of the sampled
-/// methods' results. Prints why there is no table if the device is of kind none.
+/// methods' results; 0: there are none. Prints why there is no table then, and if the device is of kind none.
 void qcPrintQuerySettings(const qcDetectDef& request, uint32_t resolution, const qcDeviceInfo& device);
 /// Prints mean sizes, median times (a few delays by other processes would dominate their mean) and sums over frames
-/// whose missed pairs were counted, a row for each query that ran.
+/// whose missed pairs were counted, a row for each query that ran. Without frames it prints nothing.
 void qcPrintQueryTable(const char* label, const std::vector<const qcQueryResults*>& frames);
 
 #endif
