@@ -20,12 +20,6 @@ btTransform StartOf(const btCollisionObject& kinematic, btScalar timeStep)
                                         start);
     return start;
 }
-
-btCollisionObjectWrapper Placed(const btCollisionObjectWrapper& body, const btTransform& place)
-{
-    return btCollisionObjectWrapper(body.m_parent, body.getCollisionShape(), body.getCollisionObject(), place,
-                                    body.m_partId, body.m_index);
-}
 } // namespace
 
 qcConvexMeshAlgorithm::qcConvexMeshAlgorithm(const btCollisionAlgorithmConstructionInfo& info, qcContactBatch* batch,
@@ -102,7 +96,10 @@ void qcConvexMeshAlgorithm::processCollision(const btCollisionObjectWrapper* bod
     FindPoints(*body0, *body1, dispatchInfo, qcInnerEdgeFilter::Points::notReceding, result);
     if (m_leadLinear.isZero() && m_leadAngular.isZero())
         return;
-    const btCollisionObjectWrapper placed = Placed(led, StartOf(*kinematic, dispatchInfo.m_timeStep));
+    const btTransform start = StartOf(*kinematic, dispatchInfo.m_timeStep);
+    // It refers to the transform.
+    const btCollisionObjectWrapper placed(led.m_parent, led.getCollisionShape(), kinematic, start, led.m_partId,
+                                          led.m_index);
     FindPoints(isLed0 ? placed : *body0, isLed0 ? *body1 : placed, dispatchInfo, qcInnerEdgeFilter::Points::receding,
                result);
 }
