@@ -507,6 +507,10 @@ struct PinnedWorld : World<qcDeformableWorld>
     ~PinnedWorld()
     {
         world->removeRigidBody(ball.get());
+        // The world looks at the body's forces, and these springs end before it.
+        world->removeSoftBody(cloth);
+        delete cloth;
+        cloths.clear();
     }
 
     /// Kinetic, of gravity and of springs.
