@@ -4,6 +4,8 @@
 
 #include "quickcullide/bullet_mesh.h"
 
+#include <cmath>
+
 /// Moments of a mass distribution of density 1 about a vertex of the mesh, in units of about the mesh's length: they
 /// neither overflow nor cancel for any size and position of the mesh.
 struct qcMoments
@@ -27,6 +29,13 @@ qcMoments qcMeasureSolid(const btVector3* vertices, const uint32_t* indices, uin
 /// The diagonal of a body's inertia tensor about the origin of the mesh's frame. A moment is 0 if btScalar can't hold
 /// it or its inverse.
 btVector3 qcInertiaAboutOrigin(const qcMoments& moments, double mass);
+
+/// A moment of inertia; 0 where btScalar can't hold it.
+inline btScalar qcMomentOf(double moment)
+{
+    const btScalar rounded = btScalar(moment);
+    return std::isnormal(rounded) ? rounded : btScalar(0);
+}
 
 /// Makes a symmetric matrix diagonal by rotations, up to rounding; the columns of `axes` receive their product.
 void qcDiagonalize(double m[3][3], double axes[3][3]);

@@ -29,11 +29,11 @@ constexpr double s_minShare = 1e-9; ///< min volume of a piece relative to the m
 // Tolerances for a sum of volumes, relative and in cubic units. Boxes, needles and tori turned at random, in up to 125
 // cells, had rounding errors of up to 4e-15 and 5e-16.
 constexpr double s_volumeShare = 1e-12, s_volumeError = 1e-14;
+constexpr double s_minVolume = 100 * s_volumeError; ///< of a mesh: above the errors, so that wrong sums are detected
 // A point is enclosed, or is not, if its winding is further from a half; others are on the surface, or at it.
 constexpr double s_sureWinding = 0.45;
 // In units: corners in cuts are off by less.
 constexpr double s_cutError = 1e-12;
-constexpr double s_minVolume = 100 * s_volumeError; ///< of a mesh: above the errors, so that wrong sums are detected
 
 qcFracture Fail(const std::string& message)
 {
@@ -280,10 +280,7 @@ void PutInFrame(const qcFacetedMesh& component, const qcClipPoint& center, const
     }
     piece->frame.setBasis(axes);
     for (int k = 0; k < 3; k++)
-    {
-        btScalar moment = btScalar(double(mass.principalInertia[k]) * units.length * units.length);
-        piece->inertia[k] = std::isnormal(moment) ? moment : btScalar(0);
-    }
+        piece->inertia[k] = qcMomentOf(double(mass.principalInertia[k]) * units.length * units.length);
 }
 
 /// The triangles of a component in cuts.

@@ -77,8 +77,7 @@ void Measure(const qcFracture& fracture, qcIsland* island)
     for (int i = 0; i < 3; i++)
     {
         island->frame.getBasis()[i].setValue(btScalar(axes[i][0]), btScalar(axes[i][1]), btScalar(axes[i][2]));
-        const btScalar moment = btScalar(sum.tensor[i][i] / sum.volume);
-        island->inertia[i] = std::isnormal(moment) ? moment : btScalar(0);
+        island->inertia[i] = qcMomentOf(sum.tensor[i][i] / sum.volume);
     }
     island->frame.setOrigin(btVector3(btScalar(sum.center[0]), btScalar(sum.center[1]), btScalar(sum.center[2])));
 }

@@ -1,5 +1,6 @@
 // Reads a fracture from a file. Nothing in a file is trusted: sizes are compared with what is there before anything is
 // read, and contents are checked although their hashes are right.
+#include "common/mass_properties.h"
 #include "fracture/piece_defects.h"
 #include "fracture/piece_format.h"
 
@@ -163,13 +164,6 @@ template <typename Scalar> std::vector<btVector3> TakeVertices(uint32_t count, D
     return vertices;
 }
 
-/// 0 where btScalar can't hold a moment, as in a piece that is made.
-btScalar MomentOf(double moment)
-{
-    const btScalar rounded = btScalar(moment);
-    return std::isfinite(moment) && !std::isnormal(rounded) ? btScalar(0) : rounded;
-}
-
 qcPiece TakePiece(uint32_t scalarSize, const qcFracture& fracture, Data data)
 {
     const qcPieceRecord record = data.Take<qcPieceRecord>(1)[0];
@@ -186,7 +180,9 @@ qcPiece TakePiece(uint32_t scalarSize, const qcFracture& fracture, Data data)
         piece.frame.getBasis()[i] = VectorOf(&record.frame[3 * i]);
     piece.frame.setOrigin(VectorOf(&record.frame[9]));
     for (int i = 0; i < 3; i++)
-        piece.inertia[i] = MomentOf(record.inertia[i]);
+        // What is not finite is refused.
+        piece.inertia[i] =
+            std::isfinite(record.inertia[i]) ? qcMomentOf(record.inertia[i]) : btScalar(record.inertia[i]);
     std::string defect = qcFindPieceDefect(piece, fracture);
     if (!defect.empty())
         throw Refused{defect};

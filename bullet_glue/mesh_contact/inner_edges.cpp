@@ -150,14 +150,12 @@ bool qcInnerEdgeFilter::IsPassed(const btVector3& normal, const btVector3& point
 {
     if (m_points == Points::all)
         return true;
-    btScalar recession = 0;
-    for (const btCollisionObjectWrapper* body : {m_result->getBody0Wrap(), m_result->getBody1Wrap()})
-        if (body->getCollisionObject()->isKinematicObject())
-        {
-            const btScalar along = qcRigidMotion(body->getCollisionObject()).VelocityAt(point).dot(normal);
-            recession += body->getCollisionShape()->isConvex() ? along : -along;
-        }
-    return (recession > 0) == (m_points == Points::receding);
+    auto recedes = [&normal, &point](const btCollisionObjectWrapper& body)
+    {
+        const btVector3 away = body.getCollisionShape()->isConvex() ? normal : -normal;
+        return qcRecession(body.getCollisionObject(), point, away, 1, BT_LARGE_FLOAT) > 0;
+    };
+    return (recedes(*m_result->getBody0Wrap()) || recedes(*m_result->getBody1Wrap())) == (m_points == Points::receding);
 }
 
 /// The normal of a triangle around this one's point that leads nearer to what is outward, towards the convex shape;

@@ -448,10 +448,10 @@ typedef struct qcManifoldPoint
 /// Each pair in contact has a point, or a pair has one whose triangles are the same or adjacent, or a point lies at one
 /// of its triangles, no further than 1/64 of the size of the region's triangles. There are two exceptions: pairs in a
 /// flat patch between two rigid bodies, where only corners are reported, and those whose closest point is that of a
-/// nearer pair, too. Two triangles of one body that only touch at a common vertex, by index or
-/// at equal positions, are no contact. If both bodies are flat there and a plane separates the whole region, all
-/// points have the plane's normal. Two points at the same place (nearer than 1/64 of the triangles' size) have
-/// different normals. Within one body, A and B are the two sides of the region, whatever the order of their indices.
+/// nearer pair, too. Two triangles of one body that only touch at a common vertex, by index or at equal positions, are
+/// no contact. If both bodies are flat there and a plane separates the whole region, all points have the plane's
+/// normal. Two points at the same place (nearer than 1/64 of the triangles' size) have different normals. Within one
+/// body, A and B are the two sides of the region, whatever the order of their indices.
 ///
 /// Coordinates may have any size, but triangles in contact must not be smaller than 1e-50 of the largest coordinate
 /// among the triangles in contact of these two bodies: below that, rounding may turn normals and drop points.

@@ -1,6 +1,8 @@
 // Margins that overlap when a contact begins.
 #include "mesh_contact/points/margin_overlap.h"
 
+#include "common/object_motion.h"
+
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
@@ -13,7 +15,7 @@ constexpr btScalar s_rate = 1;
 
 bool HasKnownMotion(const btCollisionObject* object)
 {
-    return object->isStaticObject() || btRigidBody::upcast(object) != nullptr;
+    return qcIsStatic(object) || btRigidBody::upcast(object) != nullptr;
 }
 
 /// True if the bodies pass each other by no more than this in a step where they overlap. The pieces of a body that has
