@@ -4,6 +4,7 @@
 #include "common/object_motion.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
+#include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
 
@@ -24,6 +25,17 @@ btScalar qcRecession(const btCollisionObject* object, const btVector3& point, co
         return 0;
     const btScalar travel = qcRigidMotion(object).VelocityAt(point).dot(direction) * timeStep;
     return travel > 0 && travel <= limit ? travel : btScalar(0);
+}
+
+btTransform qcKinematicStart(const btCollisionObject& object, const btTransform& end, btScalar timeStep)
+{
+    if (!object.isKinematicObject())
+        return end;
+    const btTransform& place = object.getWorldTransform();
+    const qcRigidMotion motion(&object);
+    btTransform start;
+    btTransformUtil::integrateTransform(place, -motion.linear, -motion.angular, timeStep, start);
+    return &end == &place ? start : start * (place.inverse() * end);
 }
 
 btScalar qcDisplacementBound(const btTransform& from, const btTransform& to, btScalar radius)

@@ -42,6 +42,10 @@ inline btScalar qcMaxSpeedBetween(const qcRigidMotion& a, const qcRigidMotion& b
 btScalar qcRecession(const btCollisionObject* object, const btVector3& point, const btVector3& direction,
                      btScalar timeStep, btScalar limit);
 
+/// Where a part of an object starts the step that it ends at `end`, if that is a kinematic body, which Bullet has moved
+/// already; `end` for other objects.
+btTransform qcKinematicStart(const btCollisionObject& object, const btTransform& end, btScalar timeStep);
+
 /// Upper bound of the displacement between two transforms of points at most `radius` from the body's origin.
 btScalar qcDisplacementBound(const btTransform& from, const btTransform& to, btScalar radius);
 

@@ -7,20 +7,6 @@
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
-#include <LinearMath/btTransformUtil.h>
-
-namespace
-{
-/// Where a kinematic body starts the step: Bullet has moved it already.
-btTransform StartOf(const btCollisionObject& kinematic, btScalar timeStep)
-{
-    const qcRigidMotion motion(&kinematic);
-    btTransform start;
-    btTransformUtil::integrateTransform(kinematic.getWorldTransform(), -motion.linear, -motion.angular, timeStep,
-                                        start);
-    return start;
-}
-} // namespace
 
 qcConvexMeshAlgorithm::qcConvexMeshAlgorithm(const btCollisionAlgorithmConstructionInfo& info, qcContactBatch* batch,
                                              btCollisionAlgorithm* contact)
@@ -83,9 +69,7 @@ void qcConvexMeshAlgorithm::processCollision(const btCollisionObjectWrapper* bod
         return;
     }
     const bool isLed0 = body0->getCollisionObject()->isKinematicObject();
-    // Bullet leaves out children of compounds whose boxes don't overlap at the end of the step.
-    if ((!isLed0 && !body1->getCollisionObject()->isKinematicObject()) || body0->m_parent != nullptr ||
-        body1->m_parent != nullptr)
+    if (!isLed0 && !body1->getCollisionObject()->isKinematicObject())
     {
         FindPoints(*body0, *body1, dispatchInfo, qcInnerEdgeFilter::Points::all, result);
         return;
@@ -96,8 +80,8 @@ void qcConvexMeshAlgorithm::processCollision(const btCollisionObjectWrapper* bod
     FindPoints(*body0, *body1, dispatchInfo, qcInnerEdgeFilter::Points::notReceding, result);
     if (m_leadLinear.isZero() && m_leadAngular.isZero())
         return;
-    const btTransform start = StartOf(*kinematic, dispatchInfo.m_timeStep);
-    // It refers to the transform.
+    // The wrapper refers to the transform.
+    const btTransform start = qcKinematicStart(*kinematic, led.getWorldTransform(), dispatchInfo.m_timeStep);
     const btCollisionObjectWrapper placed(led.m_parent, led.getCollisionShape(), kinematic, start, led.m_partId,
                                           led.m_index);
     FindPoints(isLed0 ? placed : *body0, isLed0 ? *body1 : placed, dispatchInfo, qcInnerEdgeFilter::Points::receding,

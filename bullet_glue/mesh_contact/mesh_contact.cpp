@@ -2,6 +2,7 @@
 #include "quickcullide/bullet_mesh.h"
 
 #include "mesh_contact/collision_algorithm.h"
+#include "mesh_contact/compound_mesh_algorithm.h"
 #include "mesh_contact/convex_mesh_algorithm.h"
 #include "quickcullide/bullet_debug_draw.h"
 
@@ -26,6 +27,7 @@ constexpr int s_meshTypes[] = {TRIANGLE_MESH_SHAPE_PROXYTYPE, SCALED_TRIANGLE_ME
 // btPoolAllocator returns slots of the size of Bullet's largest algorithm, whatever size is requested.
 static_assert(sizeof(qcMeshMeshAlgorithm) <= sizeof(btConvexConcaveCollisionAlgorithm), "fits into Bullet's pool");
 static_assert(sizeof(qcMeshPlaneAlgorithm) <= sizeof(btConvexConcaveCollisionAlgorithm), "fits into Bullet's pool");
+static_assert(sizeof(qcCompoundMeshAlgorithm) == sizeof(btCompoundCollisionAlgorithm), "fits into Bullet's pool");
 static_assert(sizeof(qcConvexMeshAlgorithm) <= sizeof(btConvexConcaveCollisionAlgorithm), "fits into Bullet's pool");
 
 template <class Algorithm>
@@ -111,6 +113,7 @@ struct qcMeshContact::Implementation
 
     void Register(int type0, int type1, btCollisionAlgorithmCreateFunc* contact, btCollisionAlgorithmCreateFunc* query);
     void RegisterConvex(int type0, int type1);
+    void RegisterCompound(int type0, int type1);
 
     qcContactBatch batch;
     btCollisionDispatcher* dispatcher = nullptr;
@@ -118,6 +121,7 @@ struct qcMeshContact::Implementation
     LimitAction limitAction{&batch};
     MeshPlaneCreate planeContact{&batch, false}, planeQuery{&batch, true};
     std::vector<std::unique_ptr<qcConvexMeshCreate>> convexContact;
+    std::vector<std::unique_ptr<qcCompoundMeshCreate>> compoundContact;
 };
 
 /// Registers for both orders of the types.
@@ -137,6 +141,14 @@ void qcMeshContact::Implementation::RegisterConvex(int type0, int type1)
         dispatcher->getCollisionConfiguration()->getCollisionAlgorithmCreateFunc(type0, type1);
     convexContact.push_back(std::make_unique<qcConvexMeshCreate>(&batch, contact));
     dispatcher->registerCollisionCreateFunc(type0, type1, convexContact.back().get());
+}
+
+void qcMeshContact::Implementation::RegisterCompound(int type0, int type1)
+{
+    btCollisionAlgorithmCreateFunc* contact =
+        dispatcher->getCollisionConfiguration()->getCollisionAlgorithmCreateFunc(type0, type1);
+    compoundContact.push_back(std::make_unique<qcCompoundMeshCreate>(contact));
+    dispatcher->registerCollisionCreateFunc(type0, type1, compoundContact.back().get());
 }
 
 qcMeshContact::qcMeshContact(qcDevice* device) : m_implementation(new Implementation(device))
@@ -167,7 +179,15 @@ qcStatus qcMeshContact::addTo(btCollisionWorld* world)
         {
             my.RegisterConvex(type, FAST_CONCAVE_MESH_PROXYTYPE);
             my.RegisterConvex(FAST_CONCAVE_MESH_PROXYTYPE, type);
+            my.RegisterCompound(type, COMPOUND_SHAPE_PROXYTYPE);
+            my.RegisterCompound(COMPOUND_SHAPE_PROXYTYPE, type);
         }
+        for (int type : s_meshTypes)
+        {
+            my.RegisterCompound(type, COMPOUND_SHAPE_PROXYTYPE);
+            my.RegisterCompound(COMPOUND_SHAPE_PROXYTYPE, type);
+        }
+        my.RegisterCompound(COMPOUND_SHAPE_PROXYTYPE, COMPOUND_SHAPE_PROXYTYPE);
     }
     for (int type : s_meshTypes)
         my.Register(FAST_CONCAVE_MESH_PROXYTYPE, type, &my.meshContact, &my.meshQuery);

@@ -1,0 +1,207 @@
+// The collision algorithm of a compound and a qcMeshShape, with children that overlap the mesh at the start of the
+// step.
+#include "mesh_contact/compound_mesh_algorithm.h"
+
+#include "common/compound_children.h"
+#include "common/rigid_motion.h"
+#include "common/shape_triangles.h"
+
+#include <BulletCollision/BroadphaseCollision/btDbvt.h>
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
+#include <BulletCollision/CollisionShapes/btCompoundShape.h>
+#include <LinearMath/btAabbUtil2.h>
+
+namespace
+{
+bool HoldsMesh(const btCollisionShape* shape)
+{
+    bool found = false;
+    qcForEachSimpleShape(shape, btTransform::getIdentity(),
+                         [&](const btCollisionShape* child, const btTransform&)
+                         { found = found || qcAsMeshShape(child) != nullptr; });
+    return found;
+}
+
+struct Box
+{
+    btVector3 lower, upper;
+
+    Box(const btCollisionShape& shape, const btTransform& place)
+    {
+        shape.getAabb(place, lower, upper);
+    }
+
+    void Add(const Box& other)
+    {
+        lower.setMin(other.lower);
+        upper.setMax(other.upper);
+    }
+};
+
+/// The box of a part at the start and at the end of the step. Boxes of what rests on a body touch those of the body,
+/// up to the distance of contact points.
+Box SweptBox(const btCollisionObject& object, const btCollisionShape& shape, const btTransform& end, btScalar timeStep)
+{
+    Box box(shape, end);
+    if (!object.isKinematicObject())
+        return box;
+    Box start(shape, qcKinematicStart(object, end, timeStep));
+    const btVector3 slack(gContactBreakingThreshold, gContactBreakingThreshold, gContactBreakingThreshold);
+    start.lower -= slack;
+    start.upper += slack;
+    box.Add(start);
+    return box;
+}
+
+const btCompoundShape& ShapeOf(const btCollisionObjectWrapper& compound)
+{
+    return *static_cast<const btCompoundShape*>(compound.getCollisionShape());
+}
+
+/// Collects the children whose leaves are met.
+struct ChildCollector : btDbvt::ICollide
+{
+    btAlignedObjectArray<int> children;
+
+    void Process(const btDbvtNode* leaf) override
+    {
+        children.push_back(leaf->dataAsInt);
+    }
+};
+
+/// The children that may overlap the other shape in the step.
+void FindChildren(const btCollisionObjectWrapper& compound, const btCollisionObjectWrapper& other, btScalar timeStep,
+                  ChildCollector* collector)
+{
+    const btCompoundShape& shape = ShapeOf(compound);
+    const btDbvt* tree = shape.getDynamicAabbTree();
+    if (tree == nullptr)
+    {
+        for (int i = 0; i < shape.getNumChildShapes(); i++)
+            collector->children.push_back(i);
+        return;
+    }
+    const btCollisionObject &compoundObject = *compound.getCollisionObject(),
+                            &otherObject = *other.getCollisionObject();
+    const btTransform &compoundEnd = compound.getWorldTransform(), &otherEnd = other.getWorldTransform();
+    Box box(*other.getCollisionShape(), compoundEnd.inverse() * otherEnd);
+    box.Add(Box(*other.getCollisionShape(), qcKinematicStart(compoundObject, compoundEnd, timeStep).inverse() *
+                                                qcKinematicStart(otherObject, otherEnd, timeStep)));
+    const btVector3 slack(gContactBreakingThreshold, gContactBreakingThreshold, gContactBreakingThreshold);
+    btDbvtVolume volume = btDbvtVolume::FromMM(box.lower - slack, box.upper + slack);
+    tree->collideTV(tree->m_root, volume, *collector);
+}
+} // namespace
+
+/// As Bullet's algorithm does, and so at one level: nested compounds refresh those of their own children.
+void qcCompoundMeshAlgorithm::RefreshManifolds(btManifoldResult* result)
+{
+    btManifoldArray manifolds;
+    getAllContactManifolds(manifolds);
+    for (int i = 0; i < manifolds.size(); i++)
+        if (manifolds[i]->getNumContacts() > 0)
+        {
+            result->setPersistentManifold(manifolds[i]);
+            result->refreshContactPoints();
+        }
+    result->setPersistentManifold(nullptr);
+}
+
+bool qcCompoundMeshAlgorithm::Overlaps(const btCollisionObjectWrapper& compound, const btCollisionObjectWrapper& other,
+                                       int child, btScalar timeStep) const
+{
+    const btCompoundShape& shape = ShapeOf(compound);
+    const Box a = SweptBox(*compound.getCollisionObject(), *shape.getChildShape(child),
+                           compound.getWorldTransform() * shape.getChildTransform(child), timeStep);
+    const Box b =
+        SweptBox(*other.getCollisionObject(), *other.getCollisionShape(), other.getWorldTransform(), timeStep);
+    return TestAabbAgainstAabb2(a.lower, a.upper, b.lower, b.upper);
+}
+
+void qcCompoundMeshAlgorithm::RemoveChild(int child)
+{
+    btCollisionAlgorithm*& algorithm = m_childCollisionAlgorithms[child];
+    if (algorithm == nullptr)
+        return;
+    algorithm->~btCollisionAlgorithm();
+    m_dispatcher->freeCollisionAlgorithm(algorithm);
+    algorithm = nullptr;
+}
+
+void qcCompoundMeshAlgorithm::ProcessChild(const btCollisionObjectWrapper& compound,
+                                           const btCollisionObjectWrapper& other, int child,
+                                           const btDispatcherInfo& dispatchInfo, btManifoldResult* result)
+{
+    const btCompoundShape& shape = ShapeOf(compound);
+    const btCollisionShape* childShape = shape.getChildShape(child);
+    if (gCompoundChildShapePairCallback != nullptr &&
+        !gCompoundChildShapePairCallback(other.getCollisionShape(), childShape))
+        return;
+    // The wrapper refers to the transforms.
+    const btTransform place = compound.getWorldTransform() * shape.getChildTransform(child);
+    btTransform local = shape.getChildTransform(child);
+    if (compound.m_preTransform != nullptr)
+        local = local * *compound.m_preTransform;
+    const btCollisionObjectWrapper part(&compound, childShape, compound.getCollisionObject(), place, local, -1, child);
+    btCollisionAlgorithm*& algorithm = m_childCollisionAlgorithms[child];
+    if (algorithm == nullptr)
+        algorithm = m_dispatcher->findAlgorithm(&part, &other, m_sharedManifold, BT_CONTACT_POINT_ALGORITHMS);
+    if (result->getBody0Internal() == compound.getCollisionObject())
+    {
+        const btCollisionObjectWrapper* whole = result->getBody0Wrap();
+        result->setBody0Wrap(&part);
+        result->setShapeIdentifiersA(-1, child);
+        algorithm->processCollision(&part, &other, dispatchInfo, result);
+        result->setBody0Wrap(whole);
+    }
+    else
+    {
+        const btCollisionObjectWrapper* whole = result->getBody1Wrap();
+        result->setBody1Wrap(&part);
+        result->setShapeIdentifiersB(-1, child);
+        algorithm->processCollision(&part, &other, dispatchInfo, result);
+        result->setBody1Wrap(whole);
+    }
+}
+
+void qcCompoundMeshAlgorithm::processCollision(const btCollisionObjectWrapper* body0,
+                                               const btCollisionObjectWrapper* body1,
+                                               const btDispatcherInfo& dispatchInfo, btManifoldResult* result)
+{
+    const btCollisionObjectWrapper &compound = m_isSwapped ? *body1 : *body0, &other = m_isSwapped ? *body0 : *body1;
+    if ((!compound.getCollisionObject()->isKinematicObject() && !other.getCollisionObject()->isKinematicObject()) ||
+        result->m_closestPointDistanceThreshold > 0)
+    {
+        btCompoundCollisionAlgorithm::processCollision(body0, body1, dispatchInfo, result);
+        return;
+    }
+    if (ShapeOf(compound).getUpdateRevision() != m_compoundShapeRevision)
+    {
+        removeChildAlgorithms();
+        preallocateChildAlgorithms(body0, body1);
+        m_compoundShapeRevision = ShapeOf(compound).getUpdateRevision();
+    }
+    RefreshManifolds(result);
+    ChildCollector found;
+    FindChildren(compound, other, dispatchInfo.m_timeStep, &found);
+    for (int i = 0; i < found.children.size(); i++)
+        if (Overlaps(compound, other, found.children[i], dispatchInfo.m_timeStep))
+            ProcessChild(compound, other, found.children[i], dispatchInfo, result);
+    for (int child = 0; child < m_childCollisionAlgorithms.size(); child++)
+        if (m_childCollisionAlgorithms[child] != nullptr && !Overlaps(compound, other, child, dispatchInfo.m_timeStep))
+            RemoveChild(child);
+}
+
+btCollisionAlgorithm* qcCompoundMeshCreate::CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
+                                                                     const btCollisionObjectWrapper* body0,
+                                                                     const btCollisionObjectWrapper* body1)
+{
+    const bool isLed =
+        body0->getCollisionObject()->isKinematicObject() || body1->getCollisionObject()->isKinematicObject();
+    if (!isLed || !(HoldsMesh(body0->getCollisionShape()) || HoldsMesh(body1->getCollisionShape())))
+        return contact->CreateCollisionAlgorithm(info, body0, body1);
+    void* place = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(qcCompoundMeshAlgorithm));
+    return new (place) qcCompoundMeshAlgorithm(info, body0, body1, !body0->getCollisionShape()->isCompound());
+}
