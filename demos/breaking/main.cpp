@@ -173,7 +173,7 @@ int Run(const Options& options, qcDevice* device)
     qcDeviceInfo info;
     qcDevice_GetInfo(device, &info);
     qcPrintBreakingTable(run, options.request, info);
-    return qcInterrupt_Signal() == 0 ? qc_exitDone : qc_exitSignal + qcInterrupt_Signal();
+    return qcInterrupt_ExitStatus();
 }
 
 int View(const Options& options, qcDevice* device)

@@ -190,7 +190,7 @@ int Run(const Options& options, qcDevice* device)
         return qc_exitFailed;
     }
     qcPrintClothTable(runs, options.common.method, options.request, info);
-    return qcInterrupt_Signal() == 0 ? qc_exitDone : qc_exitSignal + qcInterrupt_Signal();
+    return qcInterrupt_ExitStatus();
 }
 
 int View(const Options& options, qcDevice* device)

@@ -32,3 +32,8 @@ int qcInterrupt_Signal(void)
 {
     return s_signal;
 }
+
+qcExitStatus qcInterrupt_ExitStatus(void)
+{
+    return s_signal == 0 ? qc_exitDone : (qcExitStatus)((int)qc_exitSignal + s_signal);
+}

@@ -4,7 +4,7 @@
 #ifndef QC_DEMOS_COMMON_INTERRUPT_H
 #define QC_DEMOS_COMMON_INTERRUPT_H
 
-#include <stdbool.h>
+#include "common/exit_status.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -16,6 +16,9 @@ void qcInterrupt_Watch(void);
 
 /// The first signal received, or 0.
 int qcInterrupt_Signal(void);
+
+/// The exit status of a program that has finished: qc_exitDone, or qc_exitSignal plus the number of the signal.
+qcExitStatus qcInterrupt_ExitStatus(void);
 
 #ifdef __cplusplus
 }

@@ -138,7 +138,7 @@ int Run(Options options, qcDevice* device)
         qcDemo_Fail("nothing broke, and " + std::string(options.request.save) + " was not written");
         return qc_exitFailed;
     }
-    return qcInterrupt_Signal() == 0 ? qc_exitDone : qc_exitSignal + qcInterrupt_Signal();
+    return qcInterrupt_ExitStatus();
 }
 
 int View(Options options, qcDevice* device)

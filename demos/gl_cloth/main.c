@@ -232,7 +232,7 @@ static qcExitStatus Run(Demo* demo, qcMessage* message)
         printf("the CPU finds the same pairs in every frame\n");
     if (demo->options.picture != NULL && demo->result != NULL && !DrawPicture(demo, message))
         return qc_exitFailed;
-    return qcInterrupt_Signal() != 0 ? (qcExitStatus)(qc_exitSignal + qcInterrupt_Signal()) : qc_exitDone;
+    return qcInterrupt_ExitStatus();
 }
 
 int main(int argumentCount, char** arguments)

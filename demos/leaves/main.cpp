@@ -192,7 +192,7 @@ int Run(const Options& options, qcDevice* device)
         return qc_exitFailed;
     }
     qcPrintLeavesTable(run, options.common.method, options.request, info);
-    return qcInterrupt_Signal() == 0 ? qc_exitDone : qc_exitSignal + qcInterrupt_Signal();
+    return qcInterrupt_ExitStatus();
 }
 
 int View(const Options& options, qcDevice* device)

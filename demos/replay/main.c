@@ -69,7 +69,7 @@ static qcExitStatus Replay(const qcReplayOptions* options, qcRecording* recordin
     if (report.csv != NULL && !qcOutput_Commit(&output, message))
         return qc_exitFailed;
     if (ending == qc_exitDone && totals.isInterrupted)
-        return (qcExitStatus)((int)qc_exitSignal + qcInterrupt_Signal());
+        return qcInterrupt_ExitStatus();
     if (ending == qc_exitDone && totals.timeCount == 0 && options->from > 1)
     {
         qcMessage_Fail(message, "--from %u: the recording has fewer detections", options->from);

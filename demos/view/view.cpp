@@ -452,7 +452,7 @@ int View::Run()
         glfwSwapBuffers(m_window.Get());
         CountFrame();
     }
-    return qcInterrupt_Signal() == 0 ? qc_exitDone : qc_exitSignal + qcInterrupt_Signal();
+    return qcInterrupt_ExitStatus();
 }
 } // namespace
 

@@ -141,7 +141,7 @@ qcExitStatus qcBench_RunBroadphase(int argumentCount, char** arguments)
     qcCommandLine_Parse(&line, argumentCount, arguments);
     qcMessage message;
     if (Run(&options, &message))
-        return qcInterrupt_Signal() == 0 ? qc_exitDone : (qcExitStatus)(qc_exitSignal + qcInterrupt_Signal());
+        return qcInterrupt_ExitStatus();
     fprintf(stderr, "%s: %s\n", arguments[0], message.text);
     return qc_exitFailed;
 }

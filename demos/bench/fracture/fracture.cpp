@@ -74,7 +74,7 @@ qcExitStatus Run(const Options& options, qcMessage* message)
     qcPrintFractureEnd();
     if (!qcWriteFractureRows(options.out, rows, message))
         return qc_exitFailed;
-    return qcInterrupt_Signal() == 0 ? qc_exitDone : qcExitStatus(qc_exitSignal + qcInterrupt_Signal());
+    return qcInterrupt_ExitStatus();
 }
 
 const char s_help[] =

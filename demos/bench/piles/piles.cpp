@@ -125,7 +125,7 @@ qcExitStatus Run(const Options& options, qcMessage* message)
     qcPrintPilesEnd();
     if (!qcWritePilesCsv(options.out, options.threads, rows, message))
         return qc_exitFailed;
-    return qcInterrupt_Signal() != 0 ? qcExitStatus(qc_exitSignal + qcInterrupt_Signal()) : qc_exitDone;
+    return qcInterrupt_ExitStatus();
 }
 
 /// The scenes, for --help.

@@ -129,7 +129,7 @@ extern "C" qcExitStatus qcBench_RunQueries(int argumentCount, char** arguments)
     try
     {
         if (Run(options, &message))
-            return qcInterrupt_Signal() == 0 ? qc_exitDone : qcExitStatus(qc_exitSignal + qcInterrupt_Signal());
+            return qcInterrupt_ExitStatus();
     }
     catch (const std::bad_alloc&)
     {

@@ -30,7 +30,7 @@ static qcExitStatus Measure(const qcScalingOptions* options, qcScalingTable* tab
         return qc_exitFailed;
     printf("\nAll rows: %s/scaling_meshes.csv, %s/scaling_boxes.csv\n", options->out, options->out);
     if (qcInterrupt_Signal() != 0)
-        return (qcExitStatus)(qc_exitSignal + qcInterrupt_Signal());
+        return qcInterrupt_ExitStatus();
     return qcScaling_Plot(options, table, message) ? qc_exitDone : qc_exitFailed;
 }
 

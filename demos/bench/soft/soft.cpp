@@ -268,7 +268,7 @@ extern "C" qcExitStatus qcBench_RunSoft(int argumentCount, char** arguments)
     }
     bool written = options.demosOnly || RunHardScenes(options, &message);
     if (written && (qcInterrupt_Signal() != 0 || qcDemoTable_Run(options.out, options.demoSteps, &message)))
-        return qcInterrupt_Signal() == 0 ? qc_exitDone : qcExitStatus(qc_exitSignal + qcInterrupt_Signal());
+        return qcInterrupt_ExitStatus();
     std::fprintf(stderr, "%s: %s\n", arguments[0], message.text);
     return qc_exitFailed;
 }

@@ -88,7 +88,7 @@ qcExitStatus Run(const Options& options, qcMessage* message)
     if (!qcWriteStabilityCsv(options.out, histories, message) || !qcPlotStability(options.out, histories, message))
         return qc_exitFailed;
     if (qcInterrupt_Signal() != 0)
-        return qcExitStatus(qc_exitSignal + qcInterrupt_Signal());
+        return qcInterrupt_ExitStatus();
     for (const qcStabilityHistory& history : histories)
         if (!history.Complaints().empty())
             return qcExitStatus(qcMessage_Fail(message, "%s is not stable", history.Def().name) + qc_exitFailed);

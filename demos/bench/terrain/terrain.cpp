@@ -116,7 +116,7 @@ qcExitStatus Run(const Options& options, qcMessage* message)
     }
     if (!qcOutput_Commit(&output, message))
         return qc_exitFailed;
-    return qcInterrupt_Signal() != 0 ? qcExitStatus(qc_exitSignal + qcInterrupt_Signal()) : qc_exitDone;
+    return qcInterrupt_ExitStatus();
 }
 } // namespace
 

@@ -150,9 +150,7 @@ qcExitStatus Run(const Options& options, qcMessage* message)
             return drawn;
         std::printf("%zu pictures: %s\n", pictures, options.frames);
     }
-    if (qcInterrupt_Signal() != 0)
-        return qcExitStatus(qc_exitSignal + qcInterrupt_Signal());
-    return qc_exitDone;
+    return qcInterrupt_ExitStatus();
 }
 
 const char s_help[] =
