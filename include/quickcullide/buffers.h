@@ -105,7 +105,8 @@ static inline qcVertexBufferDef qcDefaultVertexBufferDef(void)
 /// `layers` are laid out by the positions of qcScene_AddBody, which should have the shape's size.
 ///
 /// qcScene_SetVertices gives the body back to the CPU. If the device is lost, so are the positions: qcScene_Detect
-/// returns qc_statusDeviceLost until they are set anew.
+/// returns qc_statusDeviceLost until they are set anew. A request that repeats the last one, with nothing changed, still
+/// returns that result.
 ///
 /// qc_statusBadInput: also if the body is rigid, the buffer is too small or of another device, or a position is not
 /// finite. qc_statusDevice: the device failed, or the fence was not signalled in time. qc_statusDeviceLost.

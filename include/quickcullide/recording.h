@@ -31,6 +31,8 @@ extern "C" {
 /// in a replay; the pairs of bodies that it rejected are recorded. Equal calls give equal bytes.
 ///
 /// qc_statusFile: the file can't be created or written; nothing is recorded. qc_statusOutOfMemory likewise.
+/// qc_statusDevice and qc_statusDeviceLost: the device has the only copy of positions (qcScene_SetVertexBuffer) and
+/// failed, or lost them; nothing has changed.
 /// O(size of the scene); then each operation costs O(its data), and adding a body also O(different sets of indices so
 /// far), which is some nanoseconds for a hundred of them.
 ///

@@ -149,7 +149,8 @@ QC_API qcStatus qcScene_SetVertices(qcScene* scene, qcBodyId id, const void* pos
                                     size_t stride);
 /// The present positions of all bodies become the start of their motion: see qcDetectDef::motion. A body that is added
 /// later has no motion until the next mark. O(bodies); the first mark of a deforming body allocates O(vertices).
-/// qc_statusOutOfMemory: nothing has changed.
+/// qc_statusOutOfMemory: nothing has changed. qc_statusDevice and qc_statusDeviceLost likewise: the device had the only
+/// copy of positions (qcScene_SetVertexBuffer) and failed.
 QC_API qcStatus qcScene_MarkStart(qcScene* scene);
 /// See qcBodyDef::activity. O(1), like the three below. qc_statusBadInput: also if the activity is unknown.
 QC_API qcStatus qcScene_SetActivity(qcScene* scene, qcBodyId id, qcActivity activity);
@@ -270,7 +271,8 @@ typedef struct qcDetectDef
     qcPairFilter pairFilter;
     void* pairFilterContext; ///< passed to pairFilter
     /// Threads to use; more than 256 count as 256. 0: one per core, or the number given to qcSetParallelFor. The result
-    /// does not depend on it. Each thread has memory of its own: about 300 KB in the smallest scene.
+    /// does not depend on it. Each thread has memory of its own: some KB in small scenes, about 300 KB from 2 000
+    /// triangles of a body on.
     uint32_t threads;
     //  For `layers` only; these change the cost, not the result.
     /// Pixels on a side of the image, rounded down to a power of two, up to 4096. 0: chosen from the triangles' sizes.
@@ -632,8 +634,8 @@ typedef struct qcResult
 ///
 /// A method that needs GL where there is none falls back to `sweep`, which gives qcProfile::fallback.
 ///
-/// qc_statusBadInput: `def` is invalid, or its method can't compute what it requests. qc_statusDevice and
-/// qc_statusDeviceLost: the device failed during `cullide` or `quick`, where auto and `layers` fall back, or while it
+/// qc_statusBadInput: `def` is invalid, its method can't compute what it requests, or the scene has more than 2^29
+/// (536 870 912) triangles. qc_statusDevice and qc_statusDeviceLost: the device failed during `cullide` or `quick`, where auto and `layers` fall back, or while it
 /// had the only copy of a body's positions (qcScene_SetVertexBuffer). qc_statusTooManyPairs: see qcDetectDef::maxPairs.
 /// qc_statusOutOfMemory.
 QC_API qcStatus qcScene_Detect(qcScene* scene, const qcDetectDef* def, const qcResult** result);

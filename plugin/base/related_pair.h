@@ -6,8 +6,9 @@
 
 enum
 {
-    /// The most triangles of a step: two indices and a relation fit into 64 bits.
-    qc_maxStepTriangles = INT32_MAX
+    /// The most triangles of a step: two indices and a relation fit into 64 bits, and counts of up to seven things for
+    /// each triangle into 32.
+    qc_maxStepTriangles = 1 << 29
 };
 
 /// Fails if there are more pairs than allowed.

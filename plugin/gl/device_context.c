@@ -47,8 +47,10 @@ bool qcDeviceContext_IsExiting(void)
 
 void qcDeviceContext_Close(qcDeviceContext* c)
 {
-    if (!qcDeviceContext_IsExiting())
-        s_kinds[c->kind].close(&c->opened);
+    if (qcDeviceContext_IsExiting())
+        return;
+    qcSharedNames_DeleteAll(&c->shared);
+    s_kinds[c->kind].close(&c->opened);
 }
 
 /// Opens a context and finds its identity. On failure none is open.
@@ -61,6 +63,8 @@ static qcStatus Open(qcDeviceContext* c, qcGpuIdentity* gpu)
     c->state = (struct qcGlState){0};
     c->programs = (struct qcGlPrograms){.cacheFolder = c->cacheFolder, .opener = s_kinds[c->kind].name};
     qcStatus status = qcGlFunctions_Load(&c->gl, c->opened.getFunction);
+    if (status == qc_statusOk && c->choice.shareContext != NULL)
+        status = qcSharedNames_Watch(&c->shared, &c->gl);
     if (status == qc_statusOk)
         status = qcContext_Identify(&c->opened, gpu);
     if (status != qc_statusOk)

@@ -7,6 +7,7 @@
 #include "gl/context.h"
 #include "gl/gl_functions.h"
 #include "gl/programs.h"
+#include "gl/shared_names.h"
 #include "quickcullide/device.h"
 
 typedef struct qcDeviceContext
@@ -18,6 +19,7 @@ typedef struct qcDeviceContext
     struct qcGlFunctions gl;
     struct qcGlPrograms programs;
     struct qcGlState state;
+    qcSharedNames shared;
     qcGpuIdentity gpu;
     uint32_t maxResolution; ///< pixels along an edge of an image
     bool compute;           ///< compute shaders are there

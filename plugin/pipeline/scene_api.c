@@ -47,8 +47,6 @@ __attribute__((noinline)) static qcStatus CompletePositions(qcScene* scene)
 qcStatus qcScene_Record(qcScene* scene, const char* path)
 {
     QC_TRY(qcScene_CheckIdle(scene, "qcScene_Record"));
-    qcStatus status = qcSceneRecorder_Close(scene->recorder);
-    scene->recorder = NULL;
     if (path != NULL)
     {
         qcFloatMode mode = qcFloatMode_Begin();
@@ -56,6 +54,8 @@ qcStatus qcScene_Record(qcScene* scene, const char* path)
         qcFloatMode_End(mode);
         QC_TRY(completed);
     }
+    qcStatus status = qcSceneRecorder_Close(scene->recorder);
+    scene->recorder = NULL;
     return path == NULL ? status : qcSceneRecorder_Open(path, scene->device, &scene->bodies, &scene->recorder);
 }
 

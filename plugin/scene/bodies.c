@@ -195,8 +195,12 @@ static qcStatus CheckDef(const qcBodyDef* def, uint32_t slot)
 /// Allocates the new body's arrays, all or none.
 static qcStatus AllocateBody(qcBody* body)
 {
-    size_t positionBytes = 3 * sizeof(double) * body->vertexCount,
-           indexBytes = 3 * sizeof(uint32_t) * body->triangleCount;
+    const uint64_t needed = UINT64_C(3) * sizeof(double) * body->vertexCount;
+    const uint64_t neededIndices = UINT64_C(3) * sizeof(uint32_t) * body->triangleCount;
+    // Where addresses have 32 bits sizes would wrap around.
+    if (needed > SIZE_MAX / 2 || neededIndices > SIZE_MAX / 2)
+        return qcFailMemory(SIZE_MAX, "a body");
+    const size_t positionBytes = (size_t)needed, indexBytes = (size_t)neededIndices;
     double** positions = body->deforming ? &body->world : &body->local;
     *positions = qcAllocate(positionBytes);
     body->indices = qcAllocate(indexBytes);

@@ -237,7 +237,61 @@ START_TEST(a_limit_of_4_gib_is_not_read_as_negative)
 }
 END_TEST
 
+static uint32_t s_queries;
+
+static void APIENTRY GetSmallLimit64(GLenum name, GLint64* value)
+{
+    if (name == GL_MAX_SHADER_STORAGE_BLOCK_SIZE)
+        *value = 40000; // 200 triangles of 48 bytes are 38 400
+    else
+        s_real.GetInteger64v(name, value);
+}
+
+static void APIENTRY CountQuery(GLenum target, GLuint name)
+{
+    s_queries++;
+    s_real.BeginQuery(target, name);
+}
+
+static void MakeSmall(struct qcGlFunctions* gl)
+{
+    gl->GetInteger64v = GetSmallLimit64;
+    gl->BeginQuery = CountQuery;
+}
+
+START_TEST(storage_beyond_a_limit_is_not_read_as_visible)
+{
+    for (int reliable = 0; reliable < 2; reliable++)
+        QC_FOR_EACH_DEVICE(device)
+        {
+            setenv("QC_VISIBILITY", "flags", 1);
+            if (!MakeDriver(device, MakeSmall))
+                continue;
+            for (uint32_t triangles = 40; triangles <= 400; triangles += 360)
+            {
+                World world = MakeWorldOf(device, triangles, 0.3);
+                qcDetectDef def = qcDefaultDetectDef();
+                qcPairList expected = qcDetectPairs(world.scene, &def);
+                def.method = qc_methodQuick;
+                def.reliable = reliable != 0;
+                def.resolution = 128;
+                s_queries = 0;
+                qcPairList found = qcDetectPairs(world.scene, &def);
+                ck_assert_uint_gt(found.count, 0);
+                // 4 bodies of 400 triangles don't fit.
+                ck_assert_int_eq(s_queries > 0, triangles == 400);
+                if (reliable)
+                    qcCheckSamePairs(&expected, &found, "quick");
+                free(found.pairs);
+                free(expected.pairs);
+                qcScene_Destroy(world.scene);
+            }
+            unsetenv("QC_VISIBILITY");
+        }
+}
+END_TEST
+
 QC_RUN_TESTS_ON_DEVICES("conforming drivers", a_driver_that_flushes_denormals_loses_no_pair,
                         an_axis_has_one_value_in_all_products,
                         occlusion_queries_have_a_complete_framebuffer_below_gl_4_1,
-                        a_limit_of_4_gib_is_not_read_as_negative)
+                        a_limit_of_4_gib_is_not_read_as_negative, storage_beyond_a_limit_is_not_read_as_visible)

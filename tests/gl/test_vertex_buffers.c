@@ -336,6 +336,28 @@ START_TEST(bodies_come_go_and_change_between_the_cpu_and_the_device)
 }
 END_TEST
 
+START_TEST(a_body_without_vertices_takes_a_buffer)
+{
+    QC_FOR_EACH_HOST(walk)
+    {
+        Cloth cloth;
+        Open(&cloth, &walk.host, walk.device, MakeCloth());
+        qcBodyDef empty = qcDefaultBodyDef();
+        empty.deforming = true;
+        qcBodyId id;
+        CHECK_OK(qcScene_AddBody(cloth.onDevice, &empty, &id));
+        qcVertexBufferDef def = qcDefaultVertexBufferDef();
+        def.buffer = cloth.buffer;
+        CHECK_OK(qcScene_SetVertexBuffer(cloth.onDevice, id, &def));
+        SetBoth(&cloth);
+        const qcDetectDef detect = LayersDef();
+        ck_assert_uint_gt(DetectBoth(&cloth, &detect)->pairCount, 10);
+        CHECK_OK(qcScene_SetVertexBuffer(cloth.onDevice, id, &def));
+        Close(&cloth);
+    }
+}
+END_TEST
+
 START_TEST(vertices_without_a_triangle_do_not_enlarge_the_image)
 {
     QC_FOR_EACH_HOST(walk)
@@ -425,10 +447,50 @@ START_TEST(a_reopened_device_has_lost_the_positions_until_they_are_set_anew)
         CHECK_OK(qcDevice_OpenBuffer(walk.device, &bufferDef, &cloth.buffer));
         CHECK_OK(qcScene_SetActivity(cloth.onDevice, cloth.ids[1], qc_activitySleeping));
         ck_assert_int_eq(qcScene_Detect(cloth.onDevice, &def, &result), qc_statusDeviceLost);
+        ck_assert_int_eq(qcScene_MarkStart(cloth.onDevice), qc_statusDeviceLost);
+        ck_assert_int_eq(qcScene_Record(cloth.onDevice, "lost.qcr"), qc_statusDeviceLost);
         CHECK_OK(qcScene_SetActivity(cloth.onDevice, cloth.ids[1], qc_activityMoving));
         SetBoth(&cloth);
         ck_assert_int_eq(DetectBoth(&cloth, &def)->profile.method, qc_methodLayers);
         Close(&cloth);
+    }
+}
+END_TEST
+
+/// Objects of the share group; the library's have the next free names.
+static int CountObjects(const qcHost* host)
+{
+    static const char* const s_names[] = {"glIsBuffer", "glIsTexture", "glIsRenderbuffer", "glIsProgram", "glIsShader"};
+    int count = 0;
+    for (size_t kind = 0; kind < sizeof s_names / sizeof s_names[0]; kind++)
+    {
+        PFNGLISBUFFERPROC is = (PFNGLISBUFFERPROC)host->getFunction(s_names[kind]);
+        for (GLuint name = 1; name < 2000; name++)
+            count += is(name) == GL_TRUE;
+    }
+    return count;
+}
+
+START_TEST(a_closed_device_leaves_nothing_in_the_share_group)
+{
+    QC_FOR_EACH_HOST(walk)
+    {
+        Cloth cloth;
+        CHECK_OK(qcDevice_Reopen(walk.device));
+        const int before = CountObjects(&walk.host);
+        Open(&cloth, &walk.host, walk.device, MakeCloth());
+        qcDetectDef def = LayersDef();
+        SetBoth(&cloth);
+        DetectBoth(&cloth, &def);
+        def.method = qc_methodQuick;
+        def.resolution = 64;
+        const qcResult* result;
+        CHECK_OK(qcScene_Detect(cloth.onDevice, &def, &result));
+        ck_assert_int_gt(CountObjects(&walk.host), before + 10);
+        CHECK_OK(qcDevice_Reopen(walk.device));
+        ck_assert_int_eq(CountObjects(&walk.host), before + 1); // the cloth's buffer
+        Close(&cloth);
+        ck_assert_int_eq(CountObjects(&walk.host), before);
     }
 }
 END_TEST
@@ -642,14 +704,13 @@ START_TEST(a_context_that_cannot_be_shared_is_refused_by_name)
 }
 END_TEST
 
-QC_RUN_TESTS_ON_DEVICES("vertex buffers", a_buffer_gives_the_pairs_of_the_same_floats_and_no_vertex_is_uploaded,
-                        segments_and_proximities_have_the_bits_of_the_cpus,
-                        steps_that_need_all_positions_read_them_back_once, a_motion_is_that_of_the_cpu,
-                        a_cloth_of_denormal_floats_loses_no_pair,
-                        a_position_that_is_not_finite_is_refused_and_changes_nothing,
-                        bodies_come_go_and_change_between_the_cpu_and_the_device,
-                        vertices_without_a_triangle_do_not_enlarge_the_image,
-                        pairs_written_to_a_buffer_are_those_of_the_result, a_recording_has_the_positions_of_the_buffer,
-                        each_failed_allocation_with_a_buffer_is_a_status_and_leaks_nothing,
-                        a_reopened_device_has_lost_the_positions_until_they_are_set_anew, a_mistake_is_named,
-                        a_context_that_cannot_be_shared_is_refused_by_name)
+QC_RUN_TESTS_ON_DEVICES(
+    "vertex buffers", a_buffer_gives_the_pairs_of_the_same_floats_and_no_vertex_is_uploaded,
+    segments_and_proximities_have_the_bits_of_the_cpus, steps_that_need_all_positions_read_them_back_once,
+    a_motion_is_that_of_the_cpu, a_cloth_of_denormal_floats_loses_no_pair,
+    a_position_that_is_not_finite_is_refused_and_changes_nothing,
+    bodies_come_go_and_change_between_the_cpu_and_the_device, vertices_without_a_triangle_do_not_enlarge_the_image,
+    pairs_written_to_a_buffer_are_those_of_the_result, a_recording_has_the_positions_of_the_buffer,
+    each_failed_allocation_with_a_buffer_is_a_status_and_leaks_nothing, a_body_without_vertices_takes_a_buffer,
+    a_reopened_device_has_lost_the_positions_until_they_are_set_anew, a_closed_device_leaves_nothing_in_the_share_group,
+    a_mistake_is_named, a_context_that_cannot_be_shared_is_refused_by_name)

@@ -25,7 +25,7 @@ if (hasMeshes) {
     set xrange [0.8 * minTriangles:1.25 * maxTriangles]
     set logscale y
     set ylabel 'ms a step: new vertices in, pairs out'
-    set title 'with itself'
+    set title 'a cloth with itself'
     plot for [k = 1:words(threads)] meshes using (isOf(word(threads, k)) ? column('triangles') : NaN):(column('ms')) \
         with linespoints pt 7 ps 0.8 lw 2 lc rgb word(colors, k) \
         title word(threads, k).(word(threads, k) eq '1' ? ' thread' : ' threads').' '.word(exponents, k), \
@@ -34,7 +34,7 @@ if (hasMeshes) {
     set yrange [0:*]
     onThreads = word(threads, 1) eq '1' ? ' on one thread' : ' on '.word(threads, 1).' threads'
     set ylabel 'ns a triangle'.onThreads.'; bytes a triangle'
-    set title 'for a triangle'
+    set title 'a triangle of the cloth'
     set key right top
     total(k) = sum [i = 1:k] column('ms_'.word(stages, i))
     part(k) = 1e6 * total(k) / column('triangles')
@@ -53,14 +53,14 @@ if (hasBoxes) {
     set logscale y
     set format y '%g'
     set ylabel 'ms a step: boxes moved, their pairs found'
-    set title 'by the part that moves'
+    set title 'boxes, of which a part moves'
     set key left top
     set autoscale y
     plot for [k = 1:words(percents)] boxes using \
         (column('boxes')):(strcol('percent') eq word(percents, k) ? column('ms') : NaN) \
         with linespoints pt 7 ps 0.8 lw 2 lc rgb word(colors, k) title word(percents, k).' %'
     set ylabel 'µs a box that moves'
-    set title 'for a box that moves'
+    set title 'a box that moves'
     set yrange [0:*]
     unset logscale y
     plot for [k = 2:words(percents)] boxes using \

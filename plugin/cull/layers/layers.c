@@ -3,6 +3,7 @@
 
 #include "base/aabb.h"
 #include "base/clock.h"
+#include "base/related_pair.h"
 #include "base/status.h"
 #include "cull/layers/device_pairs.h"
 #include "gl/device.h"
@@ -315,6 +316,7 @@ qcStatus qcCullLayers_ListNeighbours(const qcCullLayers* cull, const qcStepTrian
 {
     const qcClusters* clusters = qcGpuResidency_Clusters(&cull->residency, qcStepTriangles_Slot(triangles, body));
     const uint32_t* links = clusters->firstLink.data;
+    QC_TRY(qcRelatedPair_CheckCount(keys->count + clusters->neighbourCount, triangles->maxPairs));
     QC_TRY(qcArray_Reserve(keys, keys->count + clusters->neighbourCount, sizeof(uint64_t), "neighbours"));
     for (uint32_t node = 0; node < clusters->nodeCount; node++)
         for (uint32_t link = links[node]; link < links[node + 1]; link++)

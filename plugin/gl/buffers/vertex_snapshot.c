@@ -130,9 +130,11 @@ static qcStatus Copy(const struct qcGlFunctions* gl, void* context)
     QC_TRY(CheckLimit(gl, source->range.bytes));
     QC_TRY(CreateObjects(gl, snapshot, source->used));
     QC_TRY(qcGl_WaitForHost(gl, source->fence, function));
+    memset(&copying->bounds, 0xff, sizeof copying->bounds);
+    if (snapshot->vertexCount == 0)
+        return qc_statusOk;
     QC_TRY(Use(gl, "vertex buffer, snapshot", s_buffersSnapshot, &program));
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, snapshot->bounds);
-    memset(&copying->bounds, 0xff, sizeof copying->bounds);
     copying->bounds.finished = ++snapshot->runNumber * qc_runSpacing;
     gl->BufferSubData(GL_SHADER_STORAGE_BUFFER, 0, sizeof copying->bounds, &copying->bounds);
     SetUint(gl, program, "first", BindSource(gl, &source->range, firstByte));

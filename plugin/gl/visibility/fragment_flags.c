@@ -3,6 +3,7 @@
 #include "gl/visibility/conservative_dilation.h"
 #include "gl/visibility/tile_schedule.h"
 #include "base/status.h"
+#include "gl/compute.h"
 #include "gl/programs.h"
 
 #include <string.h>
@@ -86,14 +87,30 @@ static const char* const s_dilatedFragmentShader =
     "        flags[stepOf] = 1u;\n"
     "}\n";
 
-bool qcFragmentFlags_AreSupported(const struct qcGlFunctions* gl)
+enum
+{
+    // Numbers of vertices and of floats are ints of GLSL: 15 of a polygon, 14 of a triangle.
+    qc_maxFlagPolygons = INT32_MAX / 15,
+    qc_maxFlagTriangles = INT32_MAX / 14,
+    qc_usualPolygons = 4 ///< of a triangle in a pass, if it is not in many tiles
+};
+
+static uint64_t MaxBytes(uint32_t triangleCount, bool dilated)
+{
+    const uint64_t corners = dilated ? qc_dilatedCorners * sizeof(qcDilatedCorner) : 9 * sizeof(float);
+    const uint64_t polygons = qc_usualPolygons * sizeof(qcSchedulePolygon);
+    return triangleCount * (corners > polygons ? corners : polygons);
+}
+
+bool qcFragmentFlags_AreSupported(const struct qcGlFunctions* gl, uint32_t triangleCount, bool dilated)
 {
     if (gl->DispatchCompute == NULL)
         return false;
     GLint vertexBlocks = 0, fragmentBlocks = 0;
     gl->GetIntegerv(GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS, &vertexBlocks);
     gl->GetIntegerv(GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS, &fragmentBlocks);
-    return vertexBlocks >= 2 && fragmentBlocks >= 2;
+    return vertexBlocks >= 2 && fragmentBlocks >= 2 && triangleCount <= qc_maxFlagTriangles &&
+           MaxBytes(triangleCount, dilated) <= qcGl_MaxStorageBytes(gl);
 }
 
 /// Replaces the contents of a buffer, and binds it for the shaders.
@@ -155,6 +172,10 @@ void qcFragmentFlags_Free(qcFragmentFlags* flags)
 
 qcStatus qcFragmentFlags_BeginPass(const struct qcGlFunctions* gl, qcFragmentFlags* flags, const qcFlagPass* pass)
 {
+    const size_t polygonBytes = pass->polygons->count * sizeof(qcSchedulePolygon);
+    if (pass->polygons->count > qc_maxFlagPolygons || polygonBytes > qcGl_MaxStorageBytes(gl))
+        return qcFail(qc_statusDevice, "visibility flags: %zu polygons are more than the device's shaders read",
+                      pass->polygons->count);
     QC_TRY(qcArray_Resize(&flags->flags, pass->stepCount, sizeof(uint32_t), "visibility flags"));
     if (pass->stepCount > 0)
         memset(flags->flags.data, 0, pass->stepCount * sizeof(uint32_t));
@@ -169,7 +190,7 @@ qcStatus qcFragmentFlags_BeginPass(const struct qcGlFunctions* gl, qcFragmentFla
         gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, flags->depthBuffer);
     }
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, flags->cornerBuffer);
-    Upload(gl, flags->polygonBuffer, 1, pass->polygons->data, pass->polygons->count * sizeof(qcSchedulePolygon));
+    Upload(gl, flags->polygonBuffer, 1, pass->polygons->data, polygonBytes);
     Upload(gl, flags->flagBuffer, 2, flags->flags.data, flags->flags.count * sizeof(uint32_t));
     return qc_statusOk;
 }

@@ -28,8 +28,9 @@ typedef enum qcFlagPart
     qc_flagRender ///< in a counted polygon: takes one off that count
 } qcFlagPart;
 
-/// Whether the device's vertex and fragment shaders use storage buffers; GL 4.3 has them, but guarantees none there.
-bool qcFragmentFlags_AreSupported(const struct qcGlFunctions* gl);
+/// Whether the device's vertex and fragment shaders use storage buffers, which GL 4.3 doesn't guarantee, and reach all
+/// of those for so many triangles: what is beyond a device's limit reads as anything, such as visible.
+bool qcFragmentFlags_AreSupported(const struct qcGlFunctions* gl, uint32_t triangleCount, bool dilated);
 
 /// Compiles the program. `tileSize`: of dilated triangles' depths; 0: triangles are not dilated.
 qcStatus qcFragmentFlags_Create(const struct qcGlFunctions* gl, uint32_t tileSize, qcFragmentFlags* flags);
