@@ -84,9 +84,11 @@ struct qcFracture
 /// qc_statusBadInput, and no pieces:
 /// - an index is out of range, a vertex or site is not finite, two sites are equal, or there is no site;
 /// - the mesh is not closed (each edge must be used equally often in both directions) or is inside out;
+/// - a triangle is given twice, with the same corners in the same order;
 /// - the mesh is too thin: its volume is below 1e-12 of the cube of its length, where rounding errors hide overlaps;
 /// - the mesh is shorter than 1e-31 or longer than 8e37 (in double: its volume is not from 1e-298 to 1e308);
-/// - in double, the nearest site is further from the mesh than 1e144 times its length.
+/// - in double, the nearest site is further from the mesh than 1e144 times its length, or two sites are closer than
+///   5e-324 times its length.
 ///
 /// About O(triangles * log(cells)). If two sites are closer than some 1e-6 of the length of the box around mesh and
 /// sites, or all sites are further away than 32 to 64 lengths, O(cells * (triangles + cells)). A mesh with hollows adds
