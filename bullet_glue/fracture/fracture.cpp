@@ -166,6 +166,7 @@ std::string Prepare(const qcFractureDef& def, qcClipScratch* scratch, Job* job)
         return "the volume of the mesh, " + qcTextOf(job->volume) + " times the cube of " +
                qcTextOf(job->units.length) + ", leaves the range of double";
     job->firstCut = uint32_t(def.indices.size() / 3);
+    job->solid.mayTouchItself = qcFacetedMesh_TouchesItself(mesh);
     job->rounded = RoundedFacesOf(def, job->units, mesh);
     return qcFractureSites_Find(def, job->units, mesh, &job->sites);
 }
@@ -364,10 +365,12 @@ double VolumeBeyondCuts(const Job& job, const qcFacetedMesh& component, uint32_t
     return volume;
 }
 
-void AddPiece(const Job& job, const qcFacetedMesh& component, uint32_t cell, CellPieces* cellPieces)
+void AddPiece(const Job& job, const qcFacetedMesh& component, uint32_t cell, bool hasRoundedCuts,
+              CellPieces* cellPieces)
 {
     qcClipPoint first;
-    const double volume = qcFacetedMesh_Measure(component, &first) - VolumeBeyondCuts(job, component, cell);
+    const double volume =
+        qcFacetedMesh_Measure(component, &first) - (hasRoundedCuts ? VolumeBeyondCuts(job, component, cell) : 0);
     cellPieces->volume += volume;
     if (!(volume > s_minShare * job.volume))
     {
@@ -399,10 +402,11 @@ CellPieces PiecesOf(const Job& job, uint32_t site, qcClipSolid* solid, qcClipScr
     CellPieces cellPieces;
     qcFacetedMesh mesh;
     qcClipSolid_Triangulate(solid, &mesh, scratch);
-    std::vector<qcFacetedMesh> components = qcFacetedMesh_FindComponents(mesh, scratch);
+    std::vector<qcFacetedMesh> components =
+        qcFacetedMesh_FindComponents(mesh, solid->mayTouchItself, s_minShare * job.volume, scratch);
     JoinHollows(&components);
     for (const qcFacetedMesh& component : components)
-        AddPiece(job, component, site, &cellPieces);
+        AddPiece(job, component, site, solid->hasRoundedCuts, &cellPieces);
     return cellPieces;
 }
 

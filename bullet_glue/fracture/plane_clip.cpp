@@ -24,23 +24,6 @@ constexpr double s_planeRounding = 2e-15;
 // Min height of a triangle whose corners tell its plane, in roundings of them.
 constexpr double s_minHeight = 100;
 
-/// Fills the signed distances of the points from the plane. Returns how many may be points of faces in the plane.
-size_t MeasureSides(const qcClipSolid& solid, const qcClipPlane& plane, std::vector<double>* sides)
-{
-    const double near = plane.rounded != nullptr ? plane.rounded->rounding : 0;
-    sides->resize(solid.points.size());
-    size_t count = 0;
-    for (size_t i = 0; i < solid.points.size(); i++)
-    {
-        double side = qcDotOf(plane.normal, solid.points[i]) - plane.distance;
-        if (std::abs(side) < s_planeRounding)
-            side = 0;
-        (*sides)[i] = side;
-        count += std::abs(side) < near;
-    }
-    return count;
-}
-
 /// True if a triangle of the mesh lies in the plane, but for the rounding of its corners.
 bool LiesIn(const qcClipPlane& plane, uint32_t face)
 {
@@ -58,8 +41,9 @@ bool LiesIn(const qcClipPlane& plane, uint32_t face)
 }
 
 /// Puts the points of the mesh's triangles that lie in the plane at distance 0. Whole triangles are tested: the cells
-/// on both sides of the plane agree on them, whatever is left of these. The points stay where they are.
-void PutRoundedFacesInPlane(const qcClipSolid& solid, const qcClipPlane& plane, std::vector<double>* sides)
+/// on both sides of the plane agree on them, whatever is left of these. The points stay where they are. True if there
+/// are such triangles.
+bool PutRoundedFacesInPlane(const qcClipSolid& solid, const qcClipPlane& plane, std::vector<double>* sides)
 {
     const double near = plane.rounded->rounding;
     std::vector<uint32_t> faces;
@@ -76,28 +60,50 @@ void PutRoundedFacesInPlane(const qcClipSolid& solid, const qcClipPlane& plane, 
     for (const qcClipEdge& edge : solid.edges)
         if (!faces.empty() && (isInPlane(edge.left) || isInPlane(edge.right)))
             (*sides)[edge.from] = (*sides)[edge.to] = 0;
+    return !faces.empty();
 }
 
-/// Fills the signed distances of the points from the plane and the new indices of those that are not outside. Returns
-/// how many these are. `inPlane`: the number of points in the plane.
-uint32_t FindSides(const qcClipSolid& solid, const qcClipPlane& plane, qcClipScratch* scratch, size_t* inPlane)
+/// Points of a solid by their side of a plane.
+struct SideCounts
 {
-    if (MeasureSides(solid, plane, &scratch->sides) >= 3)
-        PutRoundedFacesInPlane(solid, plane, &scratch->sides);
-    size_t count = solid.points.size();
+    uint32_t kept = 0;  ///< not outside
+    size_t inPlane = 0; ///< in the plane
+    size_t near = 0;    ///< these, and others that may be of rounded faces in the plane
+};
+
+/// Fills the new indices of the points that are not outside. `sideOf`: the signed distance of a point from the plane.
+template <typename Function> SideCounts IndexPoints(size_t count, double near, qcClipScratch* scratch, Function sideOf)
+{
+    scratch->sides.resize(count);
     scratch->newIndices.resize(count);
-    const double* sides = scratch->sides.data();
+    double* sides = scratch->sides.data();
     uint32_t* newIndices = scratch->newIndices.data();
-    uint32_t kept = 0;
-    *inPlane = 0;
+    SideCounts counts;
     for (size_t i = 0; i < count; i++)
     {
+        sides[i] = sideOf(i);
+        if (std::abs(sides[i]) < s_planeRounding)
+            sides[i] = 0;
         uint32_t isOutside = sides[i] > 0;
-        newIndices[i] = kept | (0 - isOutside); // s_none outside
-        kept += 1 - isOutside;
-        *inPlane += sides[i] == 0;
+        newIndices[i] = counts.kept | (0 - isOutside); // s_none outside
+        counts.kept += 1 - isOutside;
+        counts.inPlane += sides[i] == 0;
+        counts.near += std::abs(sides[i]) < near;
     }
-    return kept;
+    return counts;
+}
+
+/// Fills the signed distances of the points from the plane and the new indices of those that are not outside.
+/// `isRounded`: faces lie in the plane but for rounding.
+SideCounts FindSides(const qcClipSolid& solid, const qcClipPlane& plane, qcClipScratch* scratch, bool* isRounded)
+{
+    const size_t count = solid.points.size();
+    const qcClipPoint* points = solid.points.data();
+    const double near = plane.rounded != nullptr ? plane.rounded->rounding : 0;
+    const SideCounts counts =
+        IndexPoints(count, near, scratch, [&](size_t i) { return qcDotOf(plane.normal, points[i]) - plane.distance; });
+    *isRounded = counts.near >= 3 && PutRoundedFacesInPlane(solid, plane, &scratch->sides);
+    return *isRounded ? IndexPoints(count, near, scratch, [&](size_t i) { return scratch->sides[i]; }) : counts;
 }
 
 /// The faces that lie in the plane, sorted: those with what is inside of it behind them, and those with what is
@@ -401,15 +407,18 @@ void SortByFace(const std::vector<qcClipEdge>& edges, qcClipScratch* scratch)
 
 void qcClipSolid_Clip(const qcClipSolid& from, const qcClipPlane& plane, qcClipScratch* scratch, qcClipSolid* to)
 {
-    size_t inPlane;
-    uint32_t kept = FindSides(from, plane, scratch, &inPlane);
+    bool isRounded;
+    const SideCounts counts = FindSides(from, plane, scratch, &isRounded);
+    uint32_t kept = counts.kept;
     if (kept == from.points.size())
     {
         if (to != &from)
             *to = from;
         return;
     }
-    const PlaneFaces faces = inPlane >= 3 ? FindPlaneFaces(from, plane, scratch->sides) : PlaneFaces();
+    to->mayTouchItself = from.mayTouchItself || counts.inPlane > 0;
+    to->hasRoundedCuts = from.hasRoundedCuts || isRounded;
+    const PlaneFaces faces = counts.inPlane >= 3 ? FindPlaneFaces(from, plane, scratch->sides) : PlaneFaces();
     // With all points of the plane, a face that has the outside behind it would stay as a sheet without thickness,
     // which joins what the plane parts.
     scratch->cutsInPlane.clear();
@@ -444,7 +453,9 @@ void qcClipSolid_Clip(const qcClipSolid& from, const qcClipPlane& plane, qcClipS
 void qcClipSolid_Triangulate(qcClipSolid* solid, qcFacetedMesh* mesh, qcClipScratch* scratch)
 {
     std::vector<uint32_t>& newIndices = scratch->newIndices;
+    const size_t count = solid->points.size();
     qcWeldPoints(&solid->points, &newIndices, scratch);
+    solid->mayTouchItself = solid->mayTouchItself || solid->points.size() < count;
     scratch->edgeCount.assign(solid->points.size(), 0);
     size_t kept = 0;
     for (const qcClipEdge& edge : solid->edges)

@@ -20,6 +20,8 @@ struct qcClipSolid
 {
     std::vector<qcClipPoint> points;
     std::vector<qcClipEdge> edges;
+    bool mayTouchItself = false; ///< false: parts that share a point are connected across faces that share an edge
+    bool hasRoundedCuts = false; ///< false: corners of cut faces are off the planes by rounding in double only
 };
 
 /// The triangles of a mesh, whose corners are rounded: all of a triangle lies in a plane that is no further away from

@@ -30,7 +30,7 @@ struct qcFractureDef
     std::vector<btVector3> sites;
 };
 
-/// A closed, connected mesh.
+/// A closed, connected mesh. Parts of the mesh that touch in edges or corners only are pieces of their own.
 struct qcPiece
 {
     /// Positions in the piece's frame, rounded to btScalar once, so that they fit those of the adjacent pieces.

@@ -273,6 +273,38 @@ START_TEST(a_hollow_that_touches_the_surface_or_a_cut_is_kept)
 }
 END_TEST
 
+START_TEST(parts_that_touch_in_an_edge_or_a_corner_only_are_pieces_of_their_own)
+{
+    // Beside and above each other, on common vertices; the first box once more with a hollow that touches its surface.
+    for (const bool hasHollow : {false, true})
+        for (const btVector3& by : {btVector3(2, 2, 0), btVector3(2, 2, 2), btVector3(-2, 0, 2)})
+        {
+            qcFractureDef def = qcBoxToBreak(1, 1, 1);
+            qcAddToBreak(&def, qcBoxToBreak(1, 1, 1), by);
+            if (hasHollow)
+            {
+                qcFractureDef hollow;
+                hollow.vertices = {btVector3(1, 0.25, 0.375), btVector3(0.5, 0.5, 0.25), btVector3(0.5, 0.5, -0.25),
+                                   btVector3(0.25, 0.75, 0)};
+                hollow.indices = {0, 2, 1, 0, 3, 2, 0, 1, 3, 1, 2, 3};
+                if (qcVolumeOf(hollow.vertices, hollow.indices) > 0)
+                    for (size_t i = 0; i < hollow.indices.size(); i += 3)
+                        std::swap(hollow.indices[i], hollow.indices[i + 1]);
+                qcAddToBreak(&def, hollow, btVector3(0, 0, 0));
+            }
+            def.sites = {btVector3(0, 0, 0)};
+            const double volume = qcVolumeOf(def.vertices, def.indices);
+            const qcFracture fracture = qcFracture_Split(def);
+            CheckWhole(def, fracture, volume, "touching boxes");
+            ck_assert_uint_eq(fracture.pieces.size(), 2);
+            ck_assert_double_eq_tol(fracture.pieces[0].volume, volume - 8, 1e-5);
+            ck_assert_double_eq_tol(fracture.pieces[1].volume, 8, 1e-5);
+            ck_assert_double_eq(fracture.lostVolume, 0);
+            ck_assert_uint_eq(fracture.bonds.size(), 0);
+        }
+}
+END_TEST
+
 /// An L of 2 x 2 x 1, and sites whose cuts lie in its inner faces.
 qcFractureDef AngleToBreak()
 {
@@ -525,6 +557,7 @@ QC_RUN_TESTS("fracture", pieces_are_closed_lie_in_their_cells_and_fill_the_mesh,
              cuts_through_flat_sides_leave_no_flat_or_folded_triangle, triangles_back_to_back_are_dropped,
              hollows_make_holes_in_cuts, a_hollow_belongs_to_the_piece_around_it,
              a_hollow_that_touches_the_surface_or_a_cut_is_kept,
+             parts_that_touch_in_an_edge_or_a_corner_only_are_pieces_of_their_own,
              cuts_in_the_faces_of_a_turned_mesh_leave_its_surface_outside,
              sites_around_an_impact_far_from_zero_are_different,
              the_same_input_gives_the_same_pieces_and_sites_gather_around_an_impact, pieces_of_pieces_are_split_again,
