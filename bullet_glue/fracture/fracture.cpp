@@ -35,9 +35,9 @@ constexpr double s_sureWinding = 0.45;
 // In units: corners in cuts are off by less.
 constexpr double s_cutError = 1e-12;
 // Faces lie in cuts if their corners are off by less: relative to the largest coordinate of the mesh, and in units. In
-// 200 meshes of cubes turned in single precision, 2 epsilon were enough. At 1e-6 the cells of a lattice begin to
-// overlap by more than the tolerance.
-constexpr double s_faceRounding = 8 * double(std::numeric_limits<btScalar>::epsilon()), s_maxFaceRounding = 1e-6;
+// double, too, since models come from files of single precision. In 200 meshes of cubes turned in single precision, 2
+// epsilon were enough. At 1e-6 the cells of a lattice begin to overlap by more than the tolerance.
+constexpr double s_faceRounding = 8 * double(std::numeric_limits<float>::epsilon()), s_maxFaceRounding = 1e-6;
 
 qcFracture Fail(const std::string& message)
 {
@@ -369,10 +369,10 @@ void AddPiece(const Job& job, const qcFacetedMesh& component, uint32_t cell, boo
               CellPieces* cellPieces)
 {
     qcClipPoint first;
-    const double volume =
-        qcFacetedMesh_Measure(component, &first) - (hasRoundedCuts ? VolumeBeyondCuts(job, component, cell) : 0);
+    const double inside = qcFacetedMesh_Measure(component, &first);
+    const double volume = hasRoundedCuts ? inside - VolumeBeyondCuts(job, component, cell) : inside;
     cellPieces->volume += volume;
-    if (!(volume > s_minShare * job.volume))
+    if (!(std::min(volume, inside) > s_minShare * job.volume))
     {
         cellPieces->lostVolume += std::fabs(volume);
         return;
@@ -391,7 +391,7 @@ void AddPiece(const Job& job, const qcFacetedMesh& component, uint32_t cell, boo
                 piece.indices.insert(piece.indices.end(), triangle.corner.begin(), triangle.corner.end());
                 piece.sources.push_back(isCut ? SiteAcross(job, triangle.face) : triangle.face);
             }
-    PutInFrame(component, {first[0] / volume, first[1] / volume, first[2] / volume}, job.units, &piece);
+    PutInFrame(component, {first[0] / inside, first[1] / inside, first[2] / inside}, job.units, &piece);
     cellPieces->pieces.push_back(std::move(piece));
     cellPieces->cuts.push_back(CutsOf(job, component, cell));
 }
