@@ -12,8 +12,9 @@ function(qc_add_fracture name glue precision)
     message(STATUS "No voro++ or no GLU: quickcullide::${name} is left out")
     return()
   endif()
-  add_library(qc_${name} fracture/fracture.cpp fracture/voronoi_cells.cpp fracture/plane_clip.cpp
-    fracture/open_edges.cpp fracture/triangulate_face.cpp fracture/faceted_mesh.cpp fracture/cell_sites.cpp
+  add_library(qc_${name} fracture/fracture.cpp fracture/voronoi_cells.cpp fracture/triangle_edges.cpp
+    fracture/mesh_solid.cpp fracture/plane_clip.cpp fracture/open_edges.cpp fracture/loop_groups.cpp
+    fracture/triangulate_face.cpp fracture/faceted_mesh.cpp fracture/components.cpp fracture/cell_sites.cpp
     fracture/unit_scale.cpp fracture/parallel_scratch.cpp fracture/bonds.cpp fracture/islands.cpp
     fracture/piece_texture.cpp fracture/piece_writer.cpp fracture/piece_reader.cpp fracture/piece_defects.cpp
     fracture/new_file.cpp

@@ -12,6 +12,8 @@ namespace
 {
 // In squared units: below it, corners that rounding moved make areas of pieces that touch along an edge.
 constexpr double s_minArea = 1e-13;
+// In units: narrower ones are of pieces that touch along an edge, from sites and corners of single precision.
+constexpr double s_minWidth = 1e-6;
 // In the same units: of positions, far above it.
 constexpr double s_rounding = 1e-9;
 // Areas that differ by less than this part are equal but for rounding.
@@ -28,11 +30,12 @@ struct CutFace
     std::vector<Triangle> triangles;
 };
 
-/// A part of a plane: its area, the integral of positions over it, and its vector area.
+/// A part of a plane: its area, the integral of positions over it, its vector area, and its box.
 struct Area
 {
     double area = 0;
     qcClipPoint first = {0, 0, 0}, normal = {0, 0, 0};
+    qcClipPoint lower = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, upper = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
 
     void Add(const qcClipPoint& a, const qcClipPoint& b, const qcClipPoint& c)
     {
@@ -43,7 +46,16 @@ struct Area
         {
             first[axis] += size * (a[axis] + b[axis] + c[axis]) / 3;
             normal[axis] += cross[axis] / 2;
+            lower[axis] = std::min({lower[axis], a[axis], b[axis], c[axis]});
+            upper[axis] = std::max({upper[axis], a[axis], b[axis], c[axis]});
         }
+    }
+
+    /// True if it is a sliver of rounding, or nothing.
+    bool IsThin() const
+    {
+        const qcClipPoint extent = qcMinus(upper, lower);
+        return area < s_minArea || area < s_minWidth * std::sqrt(qcDotOf(extent, extent));
     }
 };
 
@@ -141,7 +153,7 @@ Area Overlap(const CutFace& one, const CutFace& other)
 void AddBond(const CutFace& low, const CutFace& high, const qcClipPoint& lowNormal, const Area& area,
              const qcFractureUnits& units, std::vector<qcBond>* bonds)
 {
-    if (area.area < s_minArea)
+    if (area.IsThin())
         return;
     qcBond bond;
     bond.pieceA = low.piece;

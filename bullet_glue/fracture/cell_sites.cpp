@@ -107,7 +107,24 @@ std::string qcFractureSites_Find(const qcFractureDef& def, const qcFractureUnits
             sites->local.push_back(units.Local(def.sites[i]));
         }
     sites->origin = units.origin;
+    if (auto equal = qcFindEqual(sites->scaled))
+        return "sites " + std::to_string(sites->numbers[equal->first]) + " and " +
+               std::to_string(sites->numbers[equal->second]) +
+               " are at the same place: in units of the mesh's length, " + qcTextOf(units.length) +
+               ", their distance is below the range of double";
     return "";
+}
+
+std::optional<std::pair<size_t, size_t>> qcFindEqual(const std::vector<qcClipPoint>& points)
+{
+    std::vector<std::pair<qcClipPoint, size_t>> sorted;
+    for (size_t i = 0; i < points.size(); i++)
+        sorted.emplace_back(points[i], i);
+    std::sort(sorted.begin(), sorted.end());
+    for (size_t i = 1; i < sorted.size(); i++)
+        if (sorted[i].first == sorted[i - 1].first)
+            return std::make_pair(sorted[i - 1].second, sorted[i].second);
+    return std::nullopt;
 }
 
 qcClipPlane qcFractureSites_Bisect(const qcFractureSites& sites, uint32_t site, uint32_t other, uint32_t face)
@@ -126,8 +143,8 @@ qcClipPlane qcFractureSites_Bisect(const qcFractureSites& sites, uint32_t site, 
             face};
 }
 
-void qcFractureSites_ClipCell(const qcFractureSites& sites, uint32_t site, uint32_t firstFace, qcClipSolid* solid,
-                              qcClipScratch* scratch)
+void qcFractureSites_ClipCell(const qcFractureSites& sites, uint32_t site, uint32_t firstFace,
+                              const qcRoundedFaces* rounded, qcClipSolid* solid, qcClipScratch* scratch)
 {
     std::vector<std::pair<double, uint32_t>> others;
     for (uint32_t other = 0; other < sites.scaled.size(); other++)
@@ -145,7 +162,9 @@ void qcFractureSites_ClipCell(const qcFractureSites& sites, uint32_t site, uint3
         // Every remaining point is nearer to this site.
         if (distance > 2 * radius * (1 + 1e-9))
             return;
-        qcClipSolid_Clip(*solid, qcFractureSites_Bisect(sites, site, other, firstFace + other), scratch, solid);
+        qcClipPlane plane = qcFractureSites_Bisect(sites, site, other, firstFace + other);
+        plane.rounded = rounded;
+        qcClipSolid_Clip(*solid, plane, scratch, solid);
         std::pop_heap(others.begin(), others.end(), isFurther);
         others.pop_back();
     }

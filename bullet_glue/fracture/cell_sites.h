@@ -5,6 +5,9 @@
 #include "fracture/plane_clip.h"
 #include "fracture/unit_scale.h"
 
+#include <optional>
+#include <utility>
+
 /// The sites whose cells may overlap the mesh.
 struct qcFractureSites
 {
@@ -18,13 +21,16 @@ struct qcFractureSites
 std::string qcFractureSites_Find(const qcFractureDef& def, const qcFractureUnits& units, const qcFacetedMesh& mesh,
                                  qcFractureSites* sites);
 
+/// The indices of two equal points, the lower one first; none: all are different. O(points * log(points)).
+std::optional<std::pair<size_t, size_t>> qcFindEqual(const std::vector<qcClipPoint>& points);
+
 /// The bisector of two sites in local positions; the second site is outside. Exchanging the sites exactly negates the
 /// numbers. Its numbers are off by a few units in the last place, however far away the sites are.
 qcClipPlane qcFractureSites_Bisect(const qcFractureSites& sites, uint32_t site, uint32_t other, uint32_t face);
 
 /// Clips a solid to the cell of a site without a list of its neighbours: by the nearest sites, until the next one is
 /// too far away to matter. Cut faces have the numbers `firstFace` + other site. About O(sites + neighbours * edges).
-void qcFractureSites_ClipCell(const qcFractureSites& sites, uint32_t site, uint32_t firstFace, qcClipSolid* solid,
-                              qcClipScratch* scratch);
+void qcFractureSites_ClipCell(const qcFractureSites& sites, uint32_t site, uint32_t firstFace,
+                              const qcRoundedFaces* rounded, qcClipSolid* solid, qcClipScratch* scratch);
 
 #endif

@@ -1,12 +1,7 @@
-// Welding, volume and components of meshes.
+// Welding and volume of meshes.
 #include "fracture/faceted_mesh.h"
 
 #include "fracture/scratch.h"
-
-namespace
-{
-constexpr uint32_t s_none = UINT32_MAX;
-}
 
 void qcWeldPoints(std::vector<qcClipPoint>* points, std::vector<uint32_t>* newIndices, qcClipScratch* scratch)
 {
@@ -62,38 +57,4 @@ double qcFacetedMesh_Measure(const qcFacetedMesh& mesh, qcClipPoint* first)
     for (size_t i = 0; i < 3; i++)
         (*first)[i] += volume * from[i];
     return volume;
-}
-
-std::vector<qcFacetedMesh> qcFacetedMesh_FindComponents(const qcFacetedMesh& mesh, qcClipScratch* scratch)
-{
-    qcUnionFind& components = scratch->components;
-    components.Reset(mesh.points.size());
-    for (const qcClipTriangle& triangle : mesh.triangles)
-        for (size_t c = 1; c < 3; c++)
-            components.Unite(triangle.corner[c], triangle.corner[0]);
-    std::vector<qcFacetedMesh> meshes;
-    std::vector<uint32_t>&componentOf = scratch->component, &newIndices = scratch->newIndices;
-    componentOf.assign(mesh.points.size(), s_none);
-    newIndices.assign(mesh.points.size(), s_none);
-    for (qcClipTriangle triangle : mesh.triangles)
-    {
-        uint32_t& component = componentOf[components.Find(triangle.corner[0])];
-        if (component == s_none)
-        {
-            component = uint32_t(meshes.size());
-            meshes.emplace_back();
-        }
-        for (uint32_t& corner : triangle.corner)
-        {
-            uint32_t& newIndex = newIndices[corner];
-            if (newIndex == s_none)
-            {
-                newIndex = uint32_t(meshes[component].points.size());
-                meshes[component].points.push_back(mesh.points[corner]);
-            }
-            corner = newIndex;
-        }
-        meshes[component].triangles.push_back(triangle);
-    }
-    return meshes;
 }

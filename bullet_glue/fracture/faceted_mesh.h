@@ -56,8 +56,15 @@ void qcFacetedMesh_Weld(qcFacetedMesh* mesh, qcClipScratch* scratch);
 /// Returns the volume; `first` receives the integral of positions over it.
 double qcFacetedMesh_Measure(const qcFacetedMesh& mesh, qcClipPoint* first);
 
-/// The components of the mesh, connected over vertices, each with its own vertices. In the order of their first
-/// triangles.
-std::vector<qcFacetedMesh> qcFacetedMesh_FindComponents(const qcFacetedMesh& mesh, qcClipScratch* scratch);
+/// The components of a closed mesh, each with its own vertices. Parts that touch in edges or vertices only are
+/// components of their own if at least two of them hold more than `minVolume`. A hollow or a sheet stays with the part
+/// that it touches if that is the only one. `mayTouchItself`: false if there are no such parts. In the order of their
+/// first triangles (fracture/components.cpp).
+std::vector<qcFacetedMesh> qcFacetedMesh_FindComponents(const qcFacetedMesh& mesh, bool mayTouchItself,
+                                                        double minVolume, qcClipScratch* scratch);
+
+/// True if more than two triangles share an edge of a closed mesh, or those at a vertex don't follow each other around
+/// it in a single turn.
+bool qcFacetedMesh_TouchesItself(const qcFacetedMesh& mesh);
 
 #endif

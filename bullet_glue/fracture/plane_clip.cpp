@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 namespace
 {
@@ -16,109 +15,95 @@ constexpr uint32_t s_none = UINT32_MAX;
 // In squared units of about the mesh's size: a face with less lies in a plane that crosses it, but for rounding.
 constexpr double s_minFaceArea = 1e-13;
 
-//  ---- edges of a mesh -------------------------------------------------------------------------------
-
-/// A half-edge of a triangle, listed at its point with the lower index.
-struct TriangleEdge
-{
-    uint32_t high;
-    bool isDownward; ///< it leads to the point with the lower index
-    uint32_t triangle;
-
-    bool operator<(const TriangleEdge& other) const
-    {
-        return std::tie(high, isDownward, triangle) < std::tie(other.high, other.isDownward, other.triangle);
-    }
-};
-
-/// Half-edges by their lower points, sorted; `ends` receives the end of those of each point.
-std::vector<TriangleEdge> SortTriangleEdges(const qcFacetedMesh& mesh, std::vector<size_t>* ends)
-{
-    std::vector<TriangleEdge> triangleEdges(3 * mesh.triangles.size());
-    ends->assign(mesh.points.size() + 1, 0);
-    for (const qcClipTriangle& triangle : mesh.triangles)
-        for (size_t c = 0; c < 3; c++)
-            (*ends)[std::min(triangle.corner[c], triangle.corner[(c + 1) % 3]) + 1]++;
-    for (size_t i = 1; i < ends->size(); i++)
-        (*ends)[i] += (*ends)[i - 1];
-    for (size_t i = 0; i < mesh.triangles.size(); i++)
-        for (size_t c = 0; c < 3; c++)
-        {
-            uint32_t from = mesh.triangles[i].corner[c], to = mesh.triangles[i].corner[(c + 1) % 3];
-            triangleEdges[(*ends)[std::min(from, to)]++] = {std::max(from, to), from > to, uint32_t(i)};
-        }
-    ends->pop_back();
-    size_t first = 0;
-    for (size_t end : *ends)
-    {
-        std::sort(triangleEdges.begin() + std::ptrdiff_t(first), triangleEdges.begin() + std::ptrdiff_t(end));
-        first = end;
-    }
-    return triangleEdges;
-}
-
-/// Drops pairs of triangles back to back, which hold no volume. True if there were any.
-bool DropBackToBack(const std::vector<TriangleEdge>& triangleEdges, const std::vector<size_t>& ends,
-                    qcFacetedMesh* mesh)
-{
-    std::vector<bool> isDropped;
-    auto isFree = [&](const TriangleEdge& edge) { return isDropped.empty() || !isDropped[edge.triangle]; };
-    auto thirdOf = [&](const TriangleEdge& edge, uint32_t low)
-    {
-        const std::array<uint32_t, 3>& v = mesh->triangles[edge.triangle].corner;
-        return v[0] + v[1] + v[2] - low - edge.high;
-    };
-    size_t first = 0;
-    for (uint32_t low = 0; low < ends.size(); low++)
-        for (; first < ends[low]; first++)
-            for (size_t i = first + 1; i < ends[low] && triangleEdges[i].high == triangleEdges[first].high; i++)
-            {
-                const TriangleEdge &a = triangleEdges[first], &b = triangleEdges[i];
-                if (a.isDownward == b.isDownward || thirdOf(a, low) != thirdOf(b, low) || !isFree(a) || !isFree(b))
-                    continue;
-                isDropped.resize(mesh->triangles.size());
-                isDropped[a.triangle] = isDropped[b.triangle] = true;
-            }
-    size_t kept = 0;
-    for (size_t i = 0; i < isDropped.size(); i++)
-    {
-        mesh->triangles[kept] = mesh->triangles[i];
-        kept += !isDropped[i];
-    }
-    if (!isDropped.empty())
-        mesh->triangles.resize(kept);
-    return !isDropped.empty();
-}
-
 //  ---- the cut ---------------------------------------------------------------------------------------
 
 // In units: points that are no further from a plane lie in it. The faces of a turned mesh are off their own planes by
 // the rounding of their corners; what would be cut off is far below the tolerance of the sum of volumes.
 constexpr double s_planeRounding = 2e-15;
 
-/// Fills the signed distances of the points from the plane and the new indices of those that are not outside. Returns
-/// how many these are. `inPlane`: the number of points in the plane.
-uint32_t FindSides(const qcClipSolid& solid, const qcClipPlane& plane, qcClipScratch* scratch, size_t* inPlane)
+// Min height of a triangle whose corners tell its plane, in roundings of them.
+constexpr double s_minHeight = 100;
+
+/// True if a triangle of the mesh lies in the plane, but for the rounding of its corners.
+bool LiesIn(const qcClipPlane& plane, uint32_t face)
 {
-    size_t count = solid.points.size();
+    const std::array<qcClipPoint, 3>& corners = plane.rounded->corners[face];
+    double longest2 = 0;
+    for (size_t c = 0; c < 3; c++)
+    {
+        if (std::abs(qcDotOf(plane.normal, corners[c]) - plane.distance) >= plane.rounded->rounding)
+            return false;
+        const qcClipPoint side = qcMinus(corners[(c + 1) % 3], corners[c]);
+        longest2 = std::max(longest2, qcDotOf(side, side));
+    }
+    const qcClipPoint cross = qcCrossOf(qcMinus(corners[1], corners[0]), qcMinus(corners[2], corners[0]));
+    return std::abs(qcDotOf(plane.normal, cross)) > s_minHeight * plane.rounded->rounding * std::sqrt(longest2);
+}
+
+/// Puts the points of the mesh's triangles that lie in the plane at distance 0. Whole triangles are tested: the cells
+/// on both sides of the plane agree on them, whatever is left of these. The points stay where they are. True if there
+/// are such triangles.
+bool PutRoundedFacesInPlane(const qcClipSolid& solid, const qcClipPlane& plane, std::vector<double>* sides)
+{
+    const double near = plane.rounded->rounding;
+    std::vector<uint32_t> faces;
+    for (const qcClipEdge& edge : solid.edges)
+        if (std::abs((*sides)[edge.from]) < near && std::abs((*sides)[edge.to]) < near)
+            for (uint32_t face : {edge.left, edge.right})
+                if (face < plane.rounded->corners.size())
+                    faces.push_back(face);
+    std::sort(faces.begin(), faces.end());
+    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    faces.erase(std::remove_if(faces.begin(), faces.end(), [&](uint32_t face) { return !LiesIn(plane, face); }),
+                faces.end());
+    auto isInPlane = [&](uint32_t face) { return std::binary_search(faces.begin(), faces.end(), face); };
+    for (const qcClipEdge& edge : solid.edges)
+        if (!faces.empty() && (isInPlane(edge.left) || isInPlane(edge.right)))
+            (*sides)[edge.from] = (*sides)[edge.to] = 0;
+    return !faces.empty();
+}
+
+/// Points of a solid by their side of a plane.
+struct SideCounts
+{
+    uint32_t kept = 0;  ///< not outside
+    size_t inPlane = 0; ///< in the plane
+    size_t near = 0;    ///< these, and others that may be of rounded faces in the plane
+};
+
+/// Fills the new indices of the points that are not outside. `sideOf`: the signed distance of a point from the plane.
+template <typename Function> SideCounts IndexPoints(size_t count, double near, qcClipScratch* scratch, Function sideOf)
+{
     scratch->sides.resize(count);
     scratch->newIndices.resize(count);
-    const qcClipPoint* points = solid.points.data();
     double* sides = scratch->sides.data();
     uint32_t* newIndices = scratch->newIndices.data();
-    uint32_t kept = 0;
-    *inPlane = 0;
+    SideCounts counts;
     for (size_t i = 0; i < count; i++)
     {
-        sides[i] = qcDotOf(plane.normal, points[i]) - plane.distance;
+        sides[i] = sideOf(i);
         if (std::abs(sides[i]) < s_planeRounding)
             sides[i] = 0;
         uint32_t isOutside = sides[i] > 0;
-        newIndices[i] = kept | (0 - isOutside); // s_none outside
-        kept += 1 - isOutside;
-        *inPlane += sides[i] == 0;
+        newIndices[i] = counts.kept | (0 - isOutside); // s_none outside
+        counts.kept += 1 - isOutside;
+        counts.inPlane += sides[i] == 0;
+        counts.near += std::abs(sides[i]) < near;
     }
-    return kept;
+    return counts;
+}
+
+/// Fills the signed distances of the points from the plane and the new indices of those that are not outside.
+/// `isRounded`: faces lie in the plane but for rounding.
+SideCounts FindSides(const qcClipSolid& solid, const qcClipPlane& plane, qcClipScratch* scratch, bool* isRounded)
+{
+    const size_t count = solid.points.size();
+    const qcClipPoint* points = solid.points.data();
+    const double near = plane.rounded != nullptr ? plane.rounded->rounding : 0;
+    const SideCounts counts =
+        IndexPoints(count, near, scratch, [&](size_t i) { return qcDotOf(plane.normal, points[i]) - plane.distance; });
+    *isRounded = counts.near >= 3 && PutRoundedFacesInPlane(solid, plane, &scratch->sides);
+    return *isRounded ? IndexPoints(count, near, scratch, [&](size_t i) { return scratch->sides[i]; }) : counts;
 }
 
 /// The faces that lie in the plane, sorted: those with what is inside of it behind them, and those with what is
@@ -420,44 +405,20 @@ void SortByFace(const std::vector<qcClipEdge>& edges, qcClipScratch* scratch)
 }
 } // namespace
 
-size_t qcClipSolid_Make(qcFacetedMesh* mesh, qcClipSolid* solid)
-{
-    std::vector<size_t> ends;
-    std::vector<TriangleEdge> triangleEdges = SortTriangleEdges(*mesh, &ends);
-    if (DropBackToBack(triangleEdges, ends, mesh))
-        triangleEdges = SortTriangleEdges(*mesh, &ends);
-    solid->points = mesh->points;
-    solid->edges.clear();
-    size_t open = mesh->triangles.size();
-    for (size_t low = 0, first = 0; low < ends.size(); low++)
-        while (first < ends[low])
-        {
-            uint32_t high = triangleEdges[first].high;
-            size_t middle = first, last = first;
-            for (; last < ends[low] && triangleEdges[last].high == high; last++)
-                middle += !triangleEdges[last].isDownward;
-            if (middle - first != last - middle)
-                for (size_t i = first; i < last; i++)
-                    open = std::min(open, size_t(triangleEdges[i].triangle));
-            for (size_t i = 0; i < std::min(middle - first, last - middle); i++)
-                solid->edges.push_back({uint32_t(low), high, mesh->triangles[triangleEdges[first + i].triangle].face,
-                                        mesh->triangles[triangleEdges[middle + i].triangle].face});
-            first = last;
-        }
-    return open;
-}
-
 void qcClipSolid_Clip(const qcClipSolid& from, const qcClipPlane& plane, qcClipScratch* scratch, qcClipSolid* to)
 {
-    size_t inPlane;
-    uint32_t kept = FindSides(from, plane, scratch, &inPlane);
+    bool isRounded;
+    const SideCounts counts = FindSides(from, plane, scratch, &isRounded);
+    uint32_t kept = counts.kept;
     if (kept == from.points.size())
     {
         if (to != &from)
             *to = from;
         return;
     }
-    const PlaneFaces faces = inPlane >= 3 ? FindPlaneFaces(from, plane, scratch->sides) : PlaneFaces();
+    to->mayTouchItself = from.mayTouchItself || counts.inPlane > 0;
+    to->hasRoundedCuts = from.hasRoundedCuts || isRounded;
+    const PlaneFaces faces = counts.inPlane >= 3 ? FindPlaneFaces(from, plane, scratch->sides) : PlaneFaces();
     // With all points of the plane, a face that has the outside behind it would stay as a sheet without thickness,
     // which joins what the plane parts.
     scratch->cutsInPlane.clear();
@@ -492,7 +453,9 @@ void qcClipSolid_Clip(const qcClipSolid& from, const qcClipPlane& plane, qcClipS
 void qcClipSolid_Triangulate(qcClipSolid* solid, qcFacetedMesh* mesh, qcClipScratch* scratch)
 {
     std::vector<uint32_t>& newIndices = scratch->newIndices;
+    const size_t count = solid->points.size();
     qcWeldPoints(&solid->points, &newIndices, scratch);
+    solid->mayTouchItself = solid->mayTouchItself || solid->points.size() < count;
     scratch->edgeCount.assign(solid->points.size(), 0);
     size_t kept = 0;
     for (const qcClipEdge& edge : solid->edges)

@@ -5,6 +5,9 @@
 
 #include "fracture/faceted_mesh.h"
 
+#include <optional>
+#include <utility>
+
 /// An edge and its two faces: the half-edge from `from` to `to` belongs to the left one, its opposite to the right one.
 struct qcClipEdge
 {
@@ -17,6 +20,16 @@ struct qcClipSolid
 {
     std::vector<qcClipPoint> points;
     std::vector<qcClipEdge> edges;
+    bool mayTouchItself = false; ///< false: parts that share a point are connected across faces that share an edge
+    bool hasRoundedCuts = false; ///< false: corners of cut faces are off the planes by rounding in double only
+};
+
+/// The triangles of a mesh, whose corners are rounded: all of a triangle lies in a plane that is no further away from
+/// its corners than `rounding`.
+struct qcRoundedFaces
+{
+    std::vector<std::array<qcClipPoint, 3>> corners; ///< by face
+    double rounding = 0;
 };
 
 /// Outside: normal . x > distance.
@@ -24,12 +37,19 @@ struct qcClipPlane
 {
     qcClipPoint normal;
     double distance;
-    uint32_t face; ///< number of the cut face
+    uint32_t face;                           ///< number of the cut face
+    const qcRoundedFaces* rounded = nullptr; ///< those that may lie in the plane though rounded; null: none
 };
 
-/// Makes a solid of a mesh, from which it drops triangles back to back. Returns the index of the first triangle with an
-/// open edge (more half-edges in one direction than in the other), or the number of triangles if there is none.
-size_t qcClipSolid_Make(qcFacetedMesh* mesh, qcClipSolid* solid);
+/// Indices of triangles.
+struct qcSolidDefects
+{
+    std::optional<size_t> open; ///< the first with an open edge: more half-edges in one direction than in the other
+    std::optional<std::pair<size_t, size_t>> equal; ///< the first two with the same corners in the same order, not flat
+};
+
+/// Makes a solid of a mesh, from which it drops triangles back to back (fracture/mesh_solid.cpp).
+qcSolidDefects qcClipSolid_Make(qcFacetedMesh* mesh, qcClipSolid* solid);
 
 /// Makes a solid of the part of another one, or of its own, that is not outside the plane, and closes it with a cut
 /// face. A plane and its mirror image (the same numbers with other signs) cut an edge at the same point, bit by bit.

@@ -67,7 +67,7 @@ struct qcClipScratch
     std::vector<qcOutlineCorner> corners, inward;
     std::vector<uint32_t> remaining;
     //  Components of a mesh.
-    qcUnionFind components;          ///< of points
+    qcUnionFind components;          ///< of points, or of triangles
     std::vector<uint32_t> component; ///< by representative point
 };
 

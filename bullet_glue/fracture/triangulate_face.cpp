@@ -5,6 +5,8 @@
 // counted negative. So triangles that all face the right way do not overlap.
 #include "fracture/triangulate_face.h"
 
+#include "fracture/loop_groups.h"
+
 #include <GL/glu.h>
 
 #include <algorithm>
@@ -493,6 +495,32 @@ double FoldedArea(const qcFacetedMesh& mesh, size_t first, const qcClipPoint& no
     }
     return area - std::sqrt(qcDotOf(normal, normal)) / 2;
 }
+/// Adds the triangles of loops, which may lose points.
+void TriangulateLoops(qcFacetedMesh* mesh, const qcClipPoint& normal, uint32_t face, qcClipLoops* loops,
+                      qcClipScratch* scratch)
+{
+    auto hasOutline = [&]
+    {
+        return loops->ends.size() == 1 && loops->points.size() <= s_maxCorners &&
+               Outline(*mesh, normal, *loops, scratch).Triangulate(face, &mesh->triangles);
+    };
+    if (hasOutline() || (CutSpikes(mesh, face, loops) && hasOutline()))
+        return;
+    const size_t first = mesh->triangles.size();
+    TriangulateAny(mesh, normal, face, *loops, scratch);
+    const double folded = FoldedArea(*mesh, first, normal);
+    if (folded < s_foldedArea || loops->points.size() > s_maxCorners)
+        return;
+    std::vector<qcClipTriangle> triangles(mesh->triangles.begin() + std::ptrdiff_t(first), mesh->triangles.end());
+    mesh->triangles.resize(first);
+    SplitAtCorners(mesh, face, loops);
+    TriangulateAny(mesh, normal, face, *loops, scratch);
+    if (FoldedArea(*mesh, first, normal) < folded)
+        return;
+    mesh->triangles.resize(first);
+    mesh->triangles.insert(mesh->triangles.end(), triangles.begin(), triangles.end());
+}
+
 } // namespace
 
 void qcClipFace_Add(qcFacetedMesh* mesh, uint32_t face, const qcHalfEdge* halfEdges, size_t count,
@@ -514,25 +542,12 @@ void qcClipFace_Add(qcFacetedMesh* mesh, uint32_t face, const qcHalfEdge* halfEd
         AddTriangle(mesh, {loops.points[0], loops.points[1], loops.points[2]}, face);
         return;
     }
-    qcClipPoint normal = NormalOf(*mesh, loops);
-    auto hasOutline = [&]
+    const qcClipPoint normal = NormalOf(*mesh, loops);
+    if (loops.points.size() <= s_maxCorners || loops.ends.size() == 1)
     {
-        return loops.ends.size() == 1 && loops.points.size() <= s_maxCorners &&
-               Outline(*mesh, normal, loops, scratch).Triangulate(face, &mesh->triangles);
-    };
-    if (hasOutline() || (CutSpikes(mesh, face, &loops) && hasOutline()))
+        TriangulateLoops(mesh, normal, face, &loops, scratch);
         return;
-    const size_t first = mesh->triangles.size();
-    TriangulateAny(mesh, normal, face, loops, scratch);
-    const double folded = FoldedArea(*mesh, first, normal);
-    if (folded < s_foldedArea || loops.points.size() > s_maxCorners)
-        return;
-    std::vector<qcClipTriangle> triangles(mesh->triangles.begin() + std::ptrdiff_t(first), mesh->triangles.end());
-    mesh->triangles.resize(first);
-    SplitAtCorners(mesh, face, &loops);
-    TriangulateAny(mesh, normal, face, loops, scratch);
-    if (FoldedArea(*mesh, first, normal) < folded)
-        return;
-    mesh->triangles.resize(first);
-    mesh->triangles.insert(mesh->triangles.end(), triangles.begin(), triangles.end());
+    }
+    for (qcClipLoops& group : qcGroupLoops(mesh->points, loops))
+        TriangulateLoops(mesh, normal, face, &group, scratch);
 }

@@ -30,7 +30,7 @@ struct qcFractureDef
     std::vector<btVector3> sites;
 };
 
-/// A closed, connected mesh.
+/// A closed, connected mesh. Parts of the mesh that touch in edges or corners only are pieces of their own.
 struct qcPiece
 {
     /// Positions in the piece's frame, rounded to btScalar once, so that they fit those of the adjacent pieces.
@@ -67,8 +67,10 @@ struct qcFracture
     qcStatus status = qc_statusOk; ///< qc_statusBadInput: there are no pieces
     std::string message;           ///< the defect of the input, and its place
     std::vector<qcPiece> pieces;   ///< in an order that depends on the input only
-    std::vector<qcBond> bonds;     ///< of all pairs of pieces that share an area, by pieceA, then pieceB
-    double volume = 0;             ///< of the mesh
+    /// Of all pairs of pieces that share an area, by pieceA, then pieceB. Areas that are less than 1e-6 of the mesh's
+    /// length wide are of pieces that touch along an edge: they have none.
+    std::vector<qcBond> bonds;
+    double volume = 0; ///< of the mesh
     /// Of dropped splinters, each below 1e-9 of the mesh's volume, and of dropped parts that are inside out, where the
     /// surface crosses itself: the pieces then hold more than the mesh by their volume.
     double lostVolume = 0;
@@ -77,16 +79,19 @@ struct qcFracture
 };
 
 /// Splits a mesh. Equal input gives equal pieces; input scaled by a power of two gives the pieces scaled, bit by bit.
-/// Coincident triangles with opposite orientation are dropped. The volumes of pieces and splinters sum up to the mesh's
-/// volume, parts that are inside out counted as negative, with an error of at most 1e-12 of it plus 1e-14 of the cube
-/// of the mesh's length.
+/// Coincident triangles with opposite orientation are dropped. A triangle of the mesh lies in a cut if its corners are
+/// less than 1e-6 of the mesh's length from it, as where mesh and sites are turned in single precision. The volumes of
+/// pieces and splinters sum up to the mesh's volume, parts that are inside out counted as negative, with an error of at
+/// most 1e-12 of it plus 1e-14 of the cube of the mesh's length.
 ///
 /// qc_statusBadInput, and no pieces:
 /// - an index is out of range, a vertex or site is not finite, two sites are equal, or there is no site;
 /// - the mesh is not closed (each edge must be used equally often in both directions) or is inside out;
+/// - a triangle is given twice, with the same corners in the same order;
 /// - the mesh is too thin: its volume is below 1e-12 of the cube of its length, where rounding errors hide overlaps;
 /// - the mesh is shorter than 1e-31 or longer than 8e37 (in double: its volume is not from 1e-298 to 1e308);
-/// - in double, the nearest site is further from the mesh than 1e144 times its length.
+/// - in double, the nearest site is further from the mesh than 1e144 times its length, or two sites are closer than
+///   5e-324 times its length.
 ///
 /// About O(triangles * log(cells)). If two sites are closer than some 1e-6 of the length of the box around mesh and
 /// sites, or all sites are further away than 32 to 64 lengths, O(cells * (triangles + cells)). A mesh with hollows adds

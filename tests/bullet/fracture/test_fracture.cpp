@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ctime>
 #include <limits>
 #include <map>
 #include <set>
@@ -273,6 +274,59 @@ START_TEST(a_hollow_that_touches_the_surface_or_a_cut_is_kept)
 }
 END_TEST
 
+START_TEST(parts_that_touch_in_an_edge_or_a_corner_only_are_pieces_of_their_own)
+{
+    // Beside and above each other, on common vertices; the first box once more with a hollow that touches its surface.
+    for (const bool hasHollow : {false, true})
+        for (const btVector3& by : {btVector3(2, 2, 0), btVector3(2, 2, 2), btVector3(-2, 0, 2)})
+        {
+            qcFractureDef def = qcBoxToBreak(1, 1, 1);
+            qcAddToBreak(&def, qcBoxToBreak(1, 1, 1), by);
+            if (hasHollow)
+            {
+                qcFractureDef hollow;
+                hollow.vertices = {btVector3(1, 0.25, 0.375), btVector3(0.5, 0.5, 0.25), btVector3(0.5, 0.5, -0.25),
+                                   btVector3(0.25, 0.75, 0)};
+                hollow.indices = {0, 2, 1, 0, 3, 2, 0, 1, 3, 1, 2, 3};
+                if (qcVolumeOf(hollow.vertices, hollow.indices) > 0)
+                    for (size_t i = 0; i < hollow.indices.size(); i += 3)
+                        std::swap(hollow.indices[i], hollow.indices[i + 1]);
+                qcAddToBreak(&def, hollow, btVector3(0, 0, 0));
+            }
+            def.sites = {btVector3(0, 0, 0)};
+            const double volume = qcVolumeOf(def.vertices, def.indices);
+            const qcFracture fracture = qcFracture_Split(def);
+            CheckWhole(def, fracture, volume, "touching boxes");
+            ck_assert_uint_eq(fracture.pieces.size(), 2);
+            ck_assert_double_eq_tol(fracture.pieces[0].volume, volume - 8, 1e-5);
+            ck_assert_double_eq_tol(fracture.pieces[1].volume, 8, 1e-5);
+            ck_assert_double_eq(fracture.lostVolume, 0);
+            ck_assert_uint_eq(fracture.bonds.size(), 0);
+        }
+}
+END_TEST
+
+START_TEST(a_cut_through_many_teeth_takes_linear_time)
+{
+    double seconds[2];
+    for (int i = 0; i < 2; i++)
+    {
+        const int teeth = i == 0 ? 1000 : 8000;
+        qcFractureDef def = qcCombToBreak(teeth);
+        def.sites = {btVector3(btScalar(teeth), 0.5, 0), btVector3(btScalar(teeth), 3, 0)};
+        seconds[i] = std::numeric_limits<double>::max();
+        for (int run = 0; run < 3; run++)
+        {
+            const std::clock_t start = std::clock();
+            ck_assert_uint_eq(qcFracture_Split(def).pieces.size(), size_t(teeth) + 1);
+            seconds[i] = std::min(seconds[i], double(std::clock() - start) / CLOCKS_PER_SEC);
+        }
+    }
+    // Eight times as many teeth take 9 times as long. With the tesselator for all teeth at once it was 48.
+    ck_assert_msg(seconds[1] < 24 * seconds[0], "%g s, and %g s for eight times as many teeth", seconds[0], seconds[1]);
+}
+END_TEST
+
 /// An L of 2 x 2 x 1, and sites whose cuts lie in its inner faces.
 qcFractureDef AngleToBreak()
 {
@@ -292,11 +346,9 @@ qcFractureDef AngleToBreak()
     return def;
 }
 
-// In single precision the corners of a turned face are too far off its plane.
 START_TEST(cuts_in_the_faces_of_a_turned_mesh_leave_its_surface_outside)
 {
-    const int turns = sizeof(btScalar) == sizeof(double) ? 40 : 1;
-    for (int turn = 0; turn < turns; turn++)
+    for (int turn = 0; turn < 40; turn++)
     {
         qcFractureDef def = AngleToBreak();
         const btMatrix3x3 by(btQuaternion(btVector3(1, btScalar(turn % 7), 2).normalized(), btScalar(turn)));
@@ -508,6 +560,17 @@ START_TEST(bad_input_is_refused_with_its_place)
     def = qcBoxToBreak(1, 1, 1, true);
     def.sites = {btVector3(0, 0, 0)};
     ExpectRefusal(def, "volume is negative");
+    // Each triangle twice: on the same vertices, and as a second mesh at the same place, whose corners begin elsewhere.
+    def = qcBoxToBreak(1, 1, 1);
+    def.sites = {btVector3(0, 0, 0)};
+    def.indices.insert(def.indices.end(), box.indices.begin(), box.indices.end());
+    ExpectRefusal(def, "triangle 0, at -1, -1, -1, is given twice, again as triangle 12");
+    def = qcBoxToBreak(1, 1, 1);
+    def.sites = {btVector3(0, 0, 0)};
+    qcAddToBreak(&def, qcBoxToBreak(1, 1, 1), btVector3(0, 0, 0));
+    for (size_t i = 36; i < 72; i += 3)
+        std::rotate(&def.indices[i], &def.indices[i + 1], &def.indices[i] + 3);
+    ExpectRefusal(def, "triangle 0, at -1, -1, -1, is given twice, again as triangle 12");
 }
 END_TEST
 
@@ -516,7 +579,8 @@ QC_RUN_TESTS("fracture", pieces_are_closed_lie_in_their_cells_and_fill_the_mesh,
              cuts_through_flat_sides_leave_no_flat_or_folded_triangle, triangles_back_to_back_are_dropped,
              hollows_make_holes_in_cuts, a_hollow_belongs_to_the_piece_around_it,
              a_hollow_that_touches_the_surface_or_a_cut_is_kept,
-             cuts_in_the_faces_of_a_turned_mesh_leave_its_surface_outside,
+             parts_that_touch_in_an_edge_or_a_corner_only_are_pieces_of_their_own,
+             a_cut_through_many_teeth_takes_linear_time, cuts_in_the_faces_of_a_turned_mesh_leave_its_surface_outside,
              sites_around_an_impact_far_from_zero_are_different,
              the_same_input_gives_the_same_pieces_and_sites_gather_around_an_impact, pieces_of_pieces_are_split_again,
              momentum_and_angular_momentum_are_kept, pieces_of_a_very_light_body_are_not_static,

@@ -144,6 +144,52 @@ START_TEST(sites_in_all_centres_give_the_cubes_and_a_bond_for_each_shared_side)
 }
 END_TEST
 
+START_TEST(cubes_that_are_turned_fall_apart_where_sites_are_in_empty_cells_too)
+{
+    // Their corners are off the planes of the cuts by the rounding of single precision, which files have.
+    std::mt19937_64 random(5);
+    for (int mesh = 0; mesh < 60; mesh++)
+    {
+        const std::set<Cell> cells = RandomCells(&random);
+        if (cells.empty())
+            continue;
+        qcFractureDef def = CubesToBreak(cells);
+        for (int i = 0; i < s_side * s_side * s_side; i++)
+            def.sites.push_back(CentreOf({i % s_side, i / s_side % s_side, i / (s_side * s_side)}));
+        const btMatrix3x3 turn(btQuaternion(btVector3(1, btScalar(mesh % 7), 2).normalized(), btScalar(mesh)));
+        for (std::vector<btVector3>* points : {&def.vertices, &def.sites})
+            for (btVector3& point : *points)
+            {
+                point = turn * point;
+                for (int axis = 0; axis < 3; axis++)
+                    point[axis] = btScalar(float(point[axis]));
+            }
+        const qcFracture fracture = qcFracture_Split(def);
+        ck_assert_msg(fracture.status == qc_statusOk, "%s", fracture.message.c_str());
+        ck_assert_uint_eq(fracture.pieces.size(), cells.size());
+        double volume = 0;
+        size_t shared = 0;
+        for (const qcPiece& piece : fracture.pieces)
+        {
+            const int site = int(piece.site);
+            const Cell cell = {site % s_side, site / s_side % s_side, site / (s_side * s_side)};
+            size_t neighbours = 0;
+            for (int axis = 0; axis < 3; axis++)
+                neighbours += cells.count(NeighbourOf(cell, axis, -1)) + cells.count(NeighbourOf(cell, axis, 1));
+            ck_assert(qcIsClosed(piece));
+            ck_assert_double_eq_tol(piece.volume, 1, s_latticeRounding);
+            ck_assert_double_eq_tol(qcVolumeOf(piece.vertices, piece.indices), piece.volume, s_latticeRounding);
+            ck_assert_double_eq_tol(qcCutAreaOf(piece), double(neighbours), s_latticeRounding);
+            volume += piece.volume;
+            shared += neighbours;
+        }
+        // None between cubes that touch along an edge.
+        ck_assert_uint_eq(2 * fracture.bonds.size(), shared);
+        ck_assert_double_eq_tol(volume + fracture.lostVolume, fracture.volume, 3e-12 * fracture.volume);
+    }
+}
+END_TEST
+
 START_TEST(a_cut_between_two_layers_is_what_cubes_of_both_share)
 {
     std::mt19937_64 random(3);
@@ -207,4 +253,5 @@ START_TEST(cut_faces_lie_flat_where_cuts_meet_corners_and_edges)
 END_TEST
 
 QC_RUN_TESTS("fracture on a lattice", sites_in_all_centres_give_the_cubes_and_a_bond_for_each_shared_side,
+             cubes_that_are_turned_fall_apart_where_sites_are_in_empty_cells_too,
              a_cut_between_two_layers_is_what_cubes_of_both_share, cut_faces_lie_flat_where_cuts_meet_corners_and_edges)

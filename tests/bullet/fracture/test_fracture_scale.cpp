@@ -394,6 +394,10 @@ START_TEST(input_beyond_the_range_of_btscalar_or_double_is_refused_with_its_plac
     ExpectRefusalAtScale(Moved(def, 1e-102, {}), "leaves the range of double");
     def.sites = {btVector3(btScalar(1e160), 0, 0), btVector3(0, btScalar(1e155), 0)};
     ExpectRefusalAtScale(def, "site 1, the nearest");
+    // In units of the mesh's length they are at the same place.
+    const btScalar tiny = std::numeric_limits<btScalar>::denorm_min();
+    def.sites = {btVector3(1, 0, 0), btVector3(0, 0, 0), btVector3(0, 1, 0), btVector3(0, tiny, tiny)};
+    ExpectRefusalAtScale(def, "sites 1 and 3 are at the same place");
 }
 END_TEST
 
