@@ -1,27 +1,41 @@
-// The collision algorithm of a compound and a qcMeshShape, with children that overlap the mesh at the start of the
-// step.
+// The collision algorithm of a compound and another shape, with children that overlap it at the start of the step, and
+// queries of such.
 #include "mesh_contact/compound_mesh_algorithm.h"
 
-#include "common/compound_children.h"
 #include "common/rigid_motion.h"
 #include "common/shape_triangles.h"
 
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/CollisionDispatch/btCompoundCompoundCollisionAlgorithm.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <LinearMath/btAabbUtil2.h>
 
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
 namespace
 {
+// Of two compounds.
+constexpr int64_t s_maxChildPairs = 4096;
+
 bool HoldsMesh(const btCollisionShape* shape)
 {
-    bool found = false;
-    qcForEachSimpleShape(shape, btTransform::getIdentity(),
-                         [&](const btCollisionShape* child, const btTransform&)
-                         { found = found || qcAsMeshShape(child) != nullptr; });
-    return found;
+    if (!shape->isCompound())
+        return qcAsMeshShape(shape) != nullptr;
+    const auto& compound = *static_cast<const btCompoundShape*>(shape);
+    for (int i = 0; i < compound.getNumChildShapes(); i++)
+        if (HoldsMesh(compound.getChildShape(i)))
+            return true;
+    return false;
+}
+
+bool HoldMeshes(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1)
+{
+    return HoldsMesh(body0.getCollisionShape()) || HoldsMesh(body1.getCollisionShape());
 }
 
 struct Box
@@ -58,6 +72,48 @@ Box SweptBox(const btCollisionObject& object, const btCollisionShape& shape, con
 const btCompoundShape& ShapeOf(const btCollisionObjectWrapper& compound)
 {
     return *static_cast<const btCompoundShape*>(compound.getCollisionShape());
+}
+
+/// True if a child of the compound overlaps a box in the step.
+bool Overlaps(const btCollisionObjectWrapper& compound, int child, btScalar timeStep, const Box& other)
+{
+    const btCompoundShape& shape = ShapeOf(compound);
+    const Box box = SweptBox(*compound.getCollisionObject(), *shape.getChildShape(child),
+                             compound.getWorldTransform() * shape.getChildTransform(child), timeStep);
+    return TestAabbAgainstAabb2(box.lower, box.upper, other.lower, other.upper);
+}
+
+/// Each child of a compound that another one overlaps has a list of all the other's children.
+bool IsFew(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1)
+{
+    if (!body0.getCollisionShape()->isCompound() || !body1.getCollisionShape()->isCompound())
+        return true;
+    const int64_t count0 = ShapeOf(body0).getNumChildShapes(), count1 = ShapeOf(body1).getNumChildShapes();
+    return count0 * count1 <= s_maxChildPairs && gCompoundCompoundChildShapePairCallback == nullptr;
+}
+
+/// Bullet's algorithm at a distance above 0.
+template <class Compound> struct Query : Compound
+{
+    using Compound::Compound;
+
+    void processCollision(const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,
+                          const btDispatcherInfo& dispatchInfo, btManifoldResult* result) override
+    {
+        const btScalar distance = result->m_closestPointDistanceThreshold;
+        result->m_closestPointDistanceThreshold = std::max(distance, std::numeric_limits<btScalar>::min());
+        Compound::processCollision(body0, body1, dispatchInfo, result);
+        result->m_closestPointDistanceThreshold = distance;
+    }
+};
+
+template <class Compound>
+btCollisionAlgorithm* MakeQuery(btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* body0,
+                                const btCollisionObjectWrapper* body1, bool swapped)
+{
+    static_assert(sizeof(Query<Compound>) == sizeof(Compound), "fits into Bullet's pool");
+    return new (info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(Query<Compound>)))
+        Query<Compound>(info, body0, body1, swapped);
 }
 
 /// Collects the children whose leaves are met.
@@ -107,17 +163,6 @@ void qcCompoundMeshAlgorithm::RefreshManifolds(btManifoldResult* result)
             result->refreshContactPoints();
         }
     result->setPersistentManifold(nullptr);
-}
-
-bool qcCompoundMeshAlgorithm::Overlaps(const btCollisionObjectWrapper& compound, const btCollisionObjectWrapper& other,
-                                       int child, btScalar timeStep) const
-{
-    const btCompoundShape& shape = ShapeOf(compound);
-    const Box a = SweptBox(*compound.getCollisionObject(), *shape.getChildShape(child),
-                           compound.getWorldTransform() * shape.getChildTransform(child), timeStep);
-    const Box b =
-        SweptBox(*other.getCollisionObject(), *other.getCollisionShape(), other.getWorldTransform(), timeStep);
-    return TestAabbAgainstAabb2(a.lower, a.upper, b.lower, b.upper);
 }
 
 void qcCompoundMeshAlgorithm::RemoveChild(int child)
@@ -171,8 +216,7 @@ void qcCompoundMeshAlgorithm::processCollision(const btCollisionObjectWrapper* b
                                                const btDispatcherInfo& dispatchInfo, btManifoldResult* result)
 {
     const btCollisionObjectWrapper &compound = m_isSwapped ? *body1 : *body0, &other = m_isSwapped ? *body0 : *body1;
-    if ((!compound.getCollisionObject()->isKinematicObject() && !other.getCollisionObject()->isKinematicObject()) ||
-        result->m_closestPointDistanceThreshold > 0)
+    if (!compound.getCollisionObject()->isKinematicObject() && !other.getCollisionObject()->isKinematicObject())
     {
         btCompoundCollisionAlgorithm::processCollision(body0, body1, dispatchInfo, result);
         return;
@@ -184,13 +228,16 @@ void qcCompoundMeshAlgorithm::processCollision(const btCollisionObjectWrapper* b
         m_compoundShapeRevision = ShapeOf(compound).getUpdateRevision();
     }
     RefreshManifolds(result);
+    const btScalar timeStep = dispatchInfo.m_timeStep;
+    const Box box =
+        SweptBox(*other.getCollisionObject(), *other.getCollisionShape(), other.getWorldTransform(), timeStep);
     ChildCollector found;
-    FindChildren(compound, other, dispatchInfo.m_timeStep, &found);
+    FindChildren(compound, other, timeStep, &found);
     for (int i = 0; i < found.children.size(); i++)
-        if (Overlaps(compound, other, found.children[i], dispatchInfo.m_timeStep))
+        if (Overlaps(compound, found.children[i], timeStep, box))
             ProcessChild(compound, other, found.children[i], dispatchInfo, result);
     for (int child = 0; child < m_childCollisionAlgorithms.size(); child++)
-        if (m_childCollisionAlgorithms[child] != nullptr && !Overlaps(compound, other, child, dispatchInfo.m_timeStep))
+        if (m_childCollisionAlgorithms[child] != nullptr && !Overlaps(compound, child, timeStep, box))
             RemoveChild(child);
 }
 
@@ -200,8 +247,20 @@ btCollisionAlgorithm* qcCompoundMeshCreate::CreateCollisionAlgorithm(btCollision
 {
     const bool isLed =
         body0->getCollisionObject()->isKinematicObject() || body1->getCollisionObject()->isKinematicObject();
-    if (!isLed || !(HoldsMesh(body0->getCollisionShape()) || HoldsMesh(body1->getCollisionShape())))
+    if (!isLed || !IsFew(*body0, *body1) || !HoldMeshes(*body0, *body1))
         return contact->CreateCollisionAlgorithm(info, body0, body1);
     void* place = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(qcCompoundMeshAlgorithm));
     return new (place) qcCompoundMeshAlgorithm(info, body0, body1, !body0->getCollisionShape()->isCompound());
+}
+
+btCollisionAlgorithm* qcCompoundQueryCreate::CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
+                                                                      const btCollisionObjectWrapper* body0,
+                                                                      const btCollisionObjectWrapper* body1)
+{
+    if (!HoldMeshes(*body0, *body1))
+        return query->CreateCollisionAlgorithm(info, body0, body1);
+    const bool isCompound0 = body0->getCollisionShape()->isCompound();
+    if (isCompound0 && body1->getCollisionShape()->isCompound())
+        return MakeQuery<btCompoundCompoundCollisionAlgorithm>(info, body0, body1, false);
+    return MakeQuery<btCompoundCollisionAlgorithm>(info, body0, body1, !isCompound0);
 }

@@ -15,14 +15,13 @@ class qcCompoundMeshAlgorithm : public btCompoundCollisionAlgorithm
 
   private:
     void RefreshManifolds(btManifoldResult* result);
-    bool Overlaps(const btCollisionObjectWrapper& compound, const btCollisionObjectWrapper& other, int child,
-                  btScalar timeStep) const;
     void ProcessChild(const btCollisionObjectWrapper& compound, const btCollisionObjectWrapper& other, int child,
                       const btDispatcherInfo& dispatchInfo, btManifoldResult* result);
     void RemoveChild(int child);
 };
 
-/// Makes these algorithms for kinematic bodies where one of the two objects may hold meshes, Bullet's own for others.
+/// Makes these algorithms for kinematic bodies where one of the two objects holds meshes, those of another function for
+/// others, for compounds of many children and where gCompoundCompoundChildShapePairCallback chooses among them.
 struct qcCompoundMeshCreate : btCollisionAlgorithmCreateFunc
 {
     explicit qcCompoundMeshCreate(btCollisionAlgorithmCreateFunc* contactFunction) : contact(contactFunction)
@@ -33,6 +32,20 @@ struct qcCompoundMeshCreate : btCollisionAlgorithmCreateFunc
                                                    const btCollisionObjectWrapper* body1) override;
 
     btCollisionAlgorithmCreateFunc* contact;
+};
+
+/// For queries: Bullet's algorithms with those of queries for children that hold meshes. At the distance 0 Bullet takes
+/// those of steps, which count as a part of one.
+struct qcCompoundQueryCreate : btCollisionAlgorithmCreateFunc
+{
+    explicit qcCompoundQueryCreate(btCollisionAlgorithmCreateFunc* queryFunction) : query(queryFunction)
+    {
+    }
+    btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
+                                                   const btCollisionObjectWrapper* body0,
+                                                   const btCollisionObjectWrapper* body1) override;
+
+    btCollisionAlgorithmCreateFunc* query;
 };
 
 #endif

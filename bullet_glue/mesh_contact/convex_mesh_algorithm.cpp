@@ -26,8 +26,7 @@ void qcConvexMeshAlgorithm::FindPoints(const btCollisionObjectWrapper& body0, co
 {
     const bool isFirst = qcAsMeshShape(body0.getCollisionShape()) != nullptr;
     const btCollisionObjectWrapper &mesh = isFirst ? body0 : body1, &convex = isFirst ? body1 : body0;
-    qcInnerEdgeFilter filtered(*qcAsMeshShape(mesh.getCollisionShape()), mesh.getWorldTransform(),
-                               convex.getWorldTransform().getOrigin(), points, result);
+    qcInnerEdgeFilter filtered(mesh, convex, points, result);
     m_contact->processCollision(&body0, &body1, dispatchInfo, &filtered);
 }
 

@@ -120,10 +120,12 @@ struct TriangleOfPlane : btTriangleCallback
 };
 } // namespace
 
-qcInnerEdgeFilter::qcInnerEdgeFilter(const qcMeshShape& mesh, const btTransform& place, const btVector3& center,
+qcInnerEdgeFilter::qcInnerEdgeFilter(const btCollisionObjectWrapper& mesh, const btCollisionObjectWrapper& convex,
                                      Points points, btManifoldResult* result)
-    : btManifoldResult(result->getBody0Wrap(), result->getBody1Wrap()), m_mesh(mesh), m_place(place),
-      m_center(place.invXform(center)), m_points(points), m_result(result)
+    : btManifoldResult(result->getBody0Wrap(), result->getBody1Wrap()),
+      m_mesh(*qcAsMeshShape(mesh.getCollisionShape())), m_place(mesh.getWorldTransform()), m_meshBody(mesh),
+      m_convexBody(convex), m_center(m_place.invXform(convex.getWorldTransform().getOrigin())), m_points(points),
+      m_result(result)
 {
     m_closestPointDistanceThreshold = result->m_closestPointDistanceThreshold;
     m_manifoldPtr = result->getPersistentManifold();
@@ -150,12 +152,9 @@ bool qcInnerEdgeFilter::IsPassed(const btVector3& normal, const btVector3& point
 {
     if (m_points == Points::all)
         return true;
-    auto recedes = [&normal, &point](const btCollisionObjectWrapper& body)
-    {
-        const btVector3 away = body.getCollisionShape()->isConvex() ? normal : -normal;
-        return qcRecession(body.getCollisionObject(), point, away, 1, BT_LARGE_FLOAT) > 0;
-    };
-    return (recedes(*m_result->getBody0Wrap()) || recedes(*m_result->getBody1Wrap())) == (m_points == Points::receding);
+    const bool recedes = qcRecession(m_convexBody.getCollisionObject(), point, normal, 1, BT_LARGE_FLOAT) > 0 ||
+                         qcRecession(m_meshBody.getCollisionObject(), point, -normal, 1, BT_LARGE_FLOAT) > 0;
+    return recedes == (m_points == Points::receding);
 }
 
 /// The normal of a triangle around this one's point that leads nearer to what is outward, towards the convex shape;
@@ -174,12 +173,11 @@ btVector3 qcInnerEdgeFilter::NearerNormal(const btVector3 corners[3], const btVe
 
 /// True if the mesh is flat from a point on it to where the convex shape is lowest along this normal: no ridge is
 /// between the two, which would carry the shape.
-bool qcInnerEdgeFilter::IsFlatUnder(const btCollisionObjectWrapper& convex, const btVector3& normal,
-                                    const btVector3& point, btScalar size) const
+bool qcInnerEdgeFilter::IsFlatUnder(const btVector3& normal, const btVector3& point, btScalar size) const
 {
-    const btTransform& place = convex.getWorldTransform();
+    const btTransform& place = m_convexBody.getWorldTransform();
     const btVector3 down = m_place.getBasis() * -normal;
-    const auto& shape = *static_cast<const btConvexShape*>(convex.getCollisionShape());
+    const auto& shape = *static_cast<const btConvexShape*>(m_convexBody.getCollisionShape());
     const btVector3 lowest = m_place.invXform(place * shape.localGetSupportingVertex(down * place.getBasis()));
     const btVector3 foot = lowest - normal * normal.dot(lowest - point);
     TriangleOfPlane triangle(normal, foot, s_slack * size);
@@ -212,11 +210,8 @@ void qcInnerEdgeFilter::addContactPoint(const btVector3& normal, const btVector3
             if (distance > 0)
                 return;
             // A face that lies on a ridge has sunk in along its own normal, beside the ridge as on it.
-            const btCollisionObjectWrapper* convex = m_result->getBody0Wrap();
-            if (!convex->getCollisionShape()->isConvex())
-                convex = m_result->getBody1Wrap();
-            if (nearer.dot(outward) > s_sameNormal || !HasFace(*convex, -normal) ||
-                IsFlatUnder(*convex, nearer, ClosestOn(corners, m_place.invXform(point)), btSqrt(area)))
+            if (nearer.dot(outward) > s_sameNormal || !HasFace(m_convexBody, -normal) ||
+                IsFlatUnder(nearer, ClosestOn(corners, m_place.invXform(point)), btSqrt(area)))
                 passed = m_place.getBasis() * nearer;
         }
     }

@@ -26,8 +26,8 @@ class qcInnerEdgeFilter : public btManifoldResult
         notReceding
     };
 
-    /// `place`: of the mesh; `center`: of the convex shape. The others are needed as long as the filter.
-    qcInnerEdgeFilter(const qcMeshShape& mesh, const btTransform& place, const btVector3& center, Points points,
+    /// `mesh`: of a qcMeshShape. All are needed as long as the filter.
+    qcInnerEdgeFilter(const btCollisionObjectWrapper& mesh, const btCollisionObjectWrapper& convex, Points points,
                       btManifoldResult* result);
     /// Hands over the manifold that Bullet's algorithm has filled.
     ~qcInnerEdgeFilter() override;
@@ -43,11 +43,11 @@ class qcInnerEdgeFilter : public btManifoldResult
     bool IsPassed(const btVector3& normal, const btVector3& point) const;
     btVector3 NearerNormal(const btVector3 corners[3], const btVector3& point, const btVector3& outward,
                            btScalar size) const;
-    bool IsFlatUnder(const btCollisionObjectWrapper& convex, const btVector3& normal, const btVector3& point,
-                     btScalar size) const;
+    bool IsFlatUnder(const btVector3& normal, const btVector3& point, btScalar size) const;
 
     const qcMeshShape& m_mesh;
-    const btTransform& m_place;
+    const btTransform& m_place; ///< of the mesh
+    const btCollisionObjectWrapper &m_meshBody, &m_convexBody;
     const btVector3 m_center; ///< in the frame of the mesh
     const Points m_points;
     btManifoldResult* m_result;

@@ -113,6 +113,7 @@ struct qcMeshContact::Implementation
 
     void Register(int type0, int type1, btCollisionAlgorithmCreateFunc* contact, btCollisionAlgorithmCreateFunc* query);
     void RegisterConvex(int type0, int type1);
+    void RegisterCompound(int type);
     void RegisterCompound(int type0, int type1);
 
     qcContactBatch batch;
@@ -122,6 +123,7 @@ struct qcMeshContact::Implementation
     MeshPlaneCreate planeContact{&batch, false}, planeQuery{&batch, true};
     std::vector<std::unique_ptr<qcConvexMeshCreate>> convexContact;
     std::vector<std::unique_ptr<qcCompoundMeshCreate>> compoundContact;
+    std::vector<std::unique_ptr<qcCompoundQueryCreate>> compoundQueries;
 };
 
 /// Registers for both orders of the types.
@@ -143,12 +145,23 @@ void qcMeshContact::Implementation::RegisterConvex(int type0, int type1)
     dispatcher->registerCollisionCreateFunc(type0, type1, convexContact.back().get());
 }
 
+/// Registers for compounds and a type, in both orders.
+void qcMeshContact::Implementation::RegisterCompound(int type)
+{
+    RegisterCompound(COMPOUND_SHAPE_PROXYTYPE, type);
+    if (type != COMPOUND_SHAPE_PROXYTYPE)
+        RegisterCompound(type, COMPOUND_SHAPE_PROXYTYPE);
+}
+
 void qcMeshContact::Implementation::RegisterCompound(int type0, int type1)
 {
-    btCollisionAlgorithmCreateFunc* contact =
-        dispatcher->getCollisionConfiguration()->getCollisionAlgorithmCreateFunc(type0, type1);
-    compoundContact.push_back(std::make_unique<qcCompoundMeshCreate>(contact));
+    btCollisionConfiguration& configuration = *dispatcher->getCollisionConfiguration();
+    compoundContact.push_back(
+        std::make_unique<qcCompoundMeshCreate>(configuration.getCollisionAlgorithmCreateFunc(type0, type1)));
     dispatcher->registerCollisionCreateFunc(type0, type1, compoundContact.back().get());
+    compoundQueries.push_back(
+        std::make_unique<qcCompoundQueryCreate>(configuration.getClosestPointsAlgorithmCreateFunc(type0, type1)));
+    dispatcher->registerClosestPointsCreateFunc(type0, type1, compoundQueries.back().get());
 }
 
 qcMeshContact::qcMeshContact(qcDevice* device) : m_implementation(new Implementation(device))
@@ -179,16 +192,14 @@ qcStatus qcMeshContact::addTo(btCollisionWorld* world)
         {
             my.RegisterConvex(type, FAST_CONCAVE_MESH_PROXYTYPE);
             my.RegisterConvex(FAST_CONCAVE_MESH_PROXYTYPE, type);
-            my.RegisterCompound(type, COMPOUND_SHAPE_PROXYTYPE);
-            my.RegisterCompound(COMPOUND_SHAPE_PROXYTYPE, type);
         }
-        for (int type : s_meshTypes)
-        {
-            my.RegisterCompound(type, COMPOUND_SHAPE_PROXYTYPE);
-            my.RegisterCompound(COMPOUND_SHAPE_PROXYTYPE, type);
-        }
-        my.RegisterCompound(COMPOUND_SHAPE_PROXYTYPE, COMPOUND_SHAPE_PROXYTYPE);
     }
+    for (int type = 0; type < CONCAVE_SHAPES_START_HERE; type++)
+        my.RegisterCompound(type);
+    for (int type : s_meshTypes)
+        my.RegisterCompound(type);
+    my.RegisterCompound(STATIC_PLANE_PROXYTYPE);
+    my.RegisterCompound(COMPOUND_SHAPE_PROXYTYPE);
     for (int type : s_meshTypes)
         my.Register(FAST_CONCAVE_MESH_PROXYTYPE, type, &my.meshContact, &my.meshQuery);
     my.Register(FAST_CONCAVE_MESH_PROXYTYPE, GIMPACT_SHAPE_PROXYTYPE, &my.meshContact, &my.meshQuery);

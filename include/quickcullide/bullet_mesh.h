@@ -264,9 +264,10 @@ class QC_API qcMeshContact
 
     /// Registers with the world's dispatcher, which must be a btCollisionDispatcher. For one world, before it has
     /// objects, and after btGImpactCollisionAlgorithm::registerAlgorithm, which would replace the pairs with
-    /// btGImpactMeshShape. Pairs of convex shapes with qcMeshShapes get the algorithms of the dispatcher's
-    /// configuration, in place of ones that were registered with the dispatcher. qc_statusBadInput, and nothing
-    /// changes: the world is null, its dispatcher is another one, or this object has a world.
+    /// btGImpactMeshShape. Pairs of convex shapes with qcMeshShapes, and those of compounds, get the algorithms of the
+    /// dispatcher's configuration, in place of ones that were registered with the dispatcher: register yours afterwards.
+    /// qc_statusBadInput, and nothing changes: the world is null, its dispatcher is another one, or this object has a
+    /// world.
     qcStatus addTo(btCollisionWorld* world);
     /// From the next pairs on, contact of btGImpactMeshShape with itself and with static triangle meshes is computed
     /// here too. Compounds of GImpact, and its contact with convex shapes and planes, stay Bullet's. Call it after
