@@ -18,9 +18,9 @@
 /// qcSoftBodySettings::selfCollision replaces VF_DD and btSoftBody::setSelfCollision, which are ignored; Bullet's
 /// repulsion and its geometric collisions don't run.
 ///
-/// Bodies of tetrahedra, and pinned and anchored sheets, carry loads with their elasticity: a linear system for those
-/// that touch each other or rigid bodies, about as much work as Bullet's implicit solver. Contacts that are a step old
-/// take part.
+/// Bodies of tetrahedra, pinned and anchored sheets, and free ones under rigid bodies of at least half their mass,
+/// carry loads with their elasticity: a linear system for those that touch each other or rigid bodies, about as much
+/// work as Bullet's implicit solver. Contacts that are a step old take part.
 ///
 /// Contacts move nodes that are anchored to a dynamic rigid body together with it. They don't move nodes on other
 /// anchors and bodies of the reduced model; other bodies are kept away from these.

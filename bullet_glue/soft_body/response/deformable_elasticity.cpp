@@ -62,6 +62,12 @@ bool qcDeformableElasticity::Covers(const qcSceneSoftBody& soft) const
     return soft.moves && soft.body->isActive() && (soft.body->m_tetras.size() > 0 || IsHeldSheet(*soft.body));
 }
 
+/// Free sheets: the system costs more than all else in a step of those that only fall.
+bool qcDeformableElasticity::CoversUnderLoad(const qcSceneSoftBody& soft) const
+{
+    return soft.moves && soft.body->isActive() && soft.body->m_faces.size() > 0;
+}
+
 /// False: Bullet's implicit solver without projection, of 3.24, doesn't move what is at rest, so that loads have no
 /// counterpart there; or Bullet has numbered other nodes, as it does after one body was exchanged for another of as
 /// many nodes.

@@ -33,6 +33,7 @@ class qcDeformableElasticity : public qcNodeElasticity
         return 20;
     }
     bool Covers(const qcSceneSoftBody& soft) const override;
+    bool CoversUnderLoad(const qcSceneSoftBody& soft) const override;
     bool IsStrainedByRigidsOnly() const override
     {
         return false;

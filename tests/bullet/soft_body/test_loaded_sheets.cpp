@@ -236,8 +236,35 @@ START_TEST(momentum_is_kept_where_a_sheet_meets_another_at_its_anchors)
 }
 END_TEST
 
+START_TEST(a_load_that_draws_free_sheets_into_a_gap_gains_no_energy)
+{
+    for (const int layers : {1, 2})
+        for (const bool isBox : {false, true})
+            for (const btScalar times : {btScalar(2), btScalar(8)})
+            {
+                LoadedSheetWorld loaded(3);
+                for (const btScalar x : {btScalar(-0.5), btScalar(0.5)})
+                    loaded.Add(new btBoxShape(btVector3(btScalar(0.2), btScalar(0.2), 1)), 0,
+                               btVector3(x, btScalar(-0.2), 0));
+                for (int layer = 0; layer < layers; layer++)
+                    loaded.AddSheet(btScalar(0.8), btScalar(0.06) + btScalar(0.08) * btScalar(layer));
+                btCollisionShape* shape = nullptr;
+                if (isBox)
+                    shape = new btBoxShape(btVector3(btScalar(0.15), btScalar(0.1), btScalar(0.15)));
+                else
+                    shape = new btSphereShape(btScalar(0.15));
+                loaded.Add(shape, times * s_sheetMass, btVector3(0, btScalar(0.3 + 0.1 * layers), btScalar(0.02)));
+                btScalar speed;
+                const double gained = loaded.Run(180, &speed);
+                printf("%d sheets, %s of %g times their mass: gains %.2f J\n", layers, isBox ? "box" : "ball",
+                       double(times), gained);
+                ck_assert_double_lt(gained, 0.1);
+            }
+}
+END_TEST
 } // namespace
 
 QC_RUN_TESTS("loaded_sheets", bodies_on_anchors_pull_a_sheet_over_an_edge_without_passing_through,
              a_frame_with_a_sheet_on_anchors_lands_on_a_mesh,
-             momentum_is_kept_where_a_sheet_meets_another_at_its_anchors)
+             momentum_is_kept_where_a_sheet_meets_another_at_its_anchors,
+             a_load_that_draws_free_sheets_into_a_gap_gains_no_energy)
