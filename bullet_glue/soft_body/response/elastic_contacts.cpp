@@ -49,8 +49,12 @@ void qcElasticContacts::FindUnderLoad(qcSoftBodyScene& scene, const std::vector<
         btVector3 normals;
     };
     m_underLoad.clear();
-    if (std::none_of(scene.Bodies().begin(), scene.Bodies().end(),
-                     [this](const qcSceneSoftBody& soft) { return m_elasticity->CoversUnderLoad(soft); }))
+    btScalar all = 0;
+    for (const std::unique_ptr<qcSceneRigid>& rigid : scene.meshes.Rigids())
+        all += rigid->body != nullptr && rigid->body->getInvMass() > 0 ? 1 / rigid->body->getInvMass() : btScalar(0);
+    auto mayBe = [&](const qcSceneSoftBody& soft)
+    { return all > s_loadShare * soft.body->getTotalMass() && m_elasticity->CoversUnderLoad(soft); };
+    if (!(all > 0) || std::none_of(scene.Bodies().begin(), scene.Bodies().end(), mayBe))
         return;
     uint32_t node;
     std::vector<Load> loads;

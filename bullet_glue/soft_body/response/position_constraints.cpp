@@ -84,13 +84,13 @@ btScalar YieldAlong(const qcSoftConstraint& constraint, const btVector3& directi
     btScalar yield = constraint.inverseEffectiveMass;
     if (constraint.rigid != nullptr && direction.length2() > 0)
         yield += constraint.rigid->DisplacementAt(constraint.arm, direction).dot(direction) / direction.length2();
-    btScalar ofTied = 0;
-    if (constraint.isTied && direction.length2() > 0)
-        yield += YieldOfTied(constraint, direction, &ofTied);
-    yield = std::max(yield, ofTied);
     for (int i = 0; i < constraint.nodeCount; i++)
         yield = std::max(yield, btFabs(constraint.weight[i]) * constraint.inverseMass[i]);
-    return yield;
+    if (!constraint.isTied || !(direction.length2() > 0))
+        return yield;
+    btScalar largest = 0;
+    const btScalar ofTied = YieldOfTied(constraint, direction, &largest);
+    return std::max(yield + ofTied, largest);
 }
 
 /// Moves the sides of the constraint apart by `missing`, divided by weight and mass.
@@ -101,7 +101,7 @@ void Push(const qcSoftConstraint& constraint, const btVector3& missing)
         return;
     for (int i = 0; i < constraint.nodeCount; i++)
         *constraint.position[i] += missing * (constraint.weight[i] * constraint.inverseMass[i] / yield);
-    for (int i = 0; i < constraint.nodeCount && constraint.isTied; i++)
+    for (int i = 0; constraint.isTied && i < constraint.nodeCount; i++)
         if (constraint.tiedTo[i] != nullptr)
             constraint.tiedTo[i]->Push(ArmOf(constraint, i), missing * (constraint.weight[i] / yield));
     if (constraint.rigid != nullptr)

@@ -43,8 +43,6 @@ struct qcSoftConstraint
     int nodeCount = 0;
     btVector3* position[6];            ///< of its nodes
     btScalar inverseMass[6];           ///< 0: fixed, or of a body that does not move
-    qcSceneRigid* tiedTo[6];           ///< the body that moves with the node, which then has no inverse mass; or null
-    bool isTied = false;               ///< one of its nodes is tied
     btScalar weight[6];                ///< positive on the side to which the normal points, negative on the other
     btScalar inverseEffectiveMass = 0; ///< of the nodes: sum of weight^2 * inverse mass
     qcSceneRigid* rigid = nullptr;     ///< the mesh's object, or null
@@ -65,7 +63,9 @@ struct qcSoftConstraint
     btVector3 taken{0, 0, 0}; ///< sliding that friction has taken back so far
     /// Friction by the load of force chains through this contact: an impulse times the time step.
     btScalar chainFriction = 0;
-    bool isInChain = false; ///< of force chains
+    bool isInChain = false;  ///< of force chains
+    bool isTied = false;     ///< one of its nodes moves with a rigid body
+    qcSceneRigid* tiedTo[6]; ///< the body that moves with the node, which then has no inverse mass; or null
 };
 
 class qcForceChains;

@@ -32,7 +32,8 @@ void qcSceneRigid::Push(const btVector3& arm, const btVector3& push)
     {
         pushed.linear += by.linear;
         pushed.angular += by.angular;
-        MoveTied();
+        if (!tied.empty())
+            MoveTied();
     }
     else if (!by.linear.isZero() || !by.angular.isZero())
         multibody->Push(link, arm, push);
