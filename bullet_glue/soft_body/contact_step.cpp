@@ -348,6 +348,7 @@ qcStatus qcSoftBodyContact::Implementation::LimitRigids(btScalar timeStep)
         scene.meshes.UpdateVelocities(timeStep);
         moved.clear();
         limits->LimitAgain(timeStep, held, startOf, &moved);
+        scene.meshes.MoveTied(moved);
         if (!scene.meshes.Fix(moved))
             return qc_statusOk;
         m_zones.Renew();

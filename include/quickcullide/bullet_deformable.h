@@ -18,11 +18,12 @@
 /// qcSoftBodySettings::selfCollision replaces VF_DD and btSoftBody::setSelfCollision, which are ignored; Bullet's
 /// repulsion and its geometric collisions don't run.
 ///
-/// Bodies of tetrahedra, and pinned sheets without anchors, carry loads with their elasticity: a linear system for
-/// those that touch each other or rigid bodies that can move, about as much work as Bullet's implicit solver. Contacts
-/// that are a step old take part.
+/// Bodies of tetrahedra, pinned and anchored sheets, and free ones under rigid bodies of at least half their mass,
+/// carry loads with their elasticity: a linear system for those that touch each other or rigid bodies, about as much
+/// work as Bullet's implicit solver. Contacts that are a step old take part.
 ///
-/// Contacts don't move anchored nodes and bodies of the reduced model; other bodies are kept away from them.
+/// Contacts move nodes that are anchored to a dynamic rigid body together with it. They don't move nodes on other
+/// anchors and bodies of the reduced model; other bodies are kept away from these.
 ///
 /// Destroy it before the dispatcher and the device. Thread-safety: as Bullet's world.
 class QC_API qcDeformableWorld : public btDeformableMultiBodyDynamicsWorld, public qcSoftBodyContact

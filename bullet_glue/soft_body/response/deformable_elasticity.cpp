@@ -44,22 +44,28 @@ std::vector<int> ColourNodes(size_t count, const std::vector<qcNodeElasticity::L
     return colours;
 }
 
-/// True for sheets that can be stretched by a load: what is free gives way, and anchored nodes move with their bodies.
-bool IsPinnedSheet(const btSoftBody& body)
+/// True for sheets that something holds.
+bool IsHeldSheet(const btSoftBody& body)
 {
-    if (body.m_faces.size() == 0 || body.m_deformableAnchors.size() > 0)
+    if (body.m_faces.size() == 0)
         return false;
-    for (int i = 0; i < body.m_nodes.size(); i++)
-        if (!(body.m_nodes[i].m_im > 0))
-            return true;
-    return false;
+    bool isHeld = body.m_deformableAnchors.size() > 0;
+    for (int i = 0; i < body.m_nodes.size() && !isHeld; i++)
+        isHeld = !(body.m_nodes[i].m_im > 0);
+    return isHeld;
 }
 } // namespace
 
-/// Bodies of tetrahedra, and sheets that are pinned.
+/// Bodies of tetrahedra, and sheets that are pinned or anchored: what is free gives way.
 bool qcDeformableElasticity::Covers(const qcSceneSoftBody& soft) const
 {
-    return soft.moves && soft.body->isActive() && (soft.body->m_tetras.size() > 0 || IsPinnedSheet(*soft.body));
+    return soft.moves && soft.body->isActive() && (soft.body->m_tetras.size() > 0 || IsHeldSheet(*soft.body));
+}
+
+/// Free sheets: the system costs more than all else in a step of those that only fall.
+bool qcDeformableElasticity::CoversUnderLoad(const qcSceneSoftBody& soft) const
+{
+    return soft.moves && soft.body->isActive() && soft.body->m_faces.size() > 0;
 }
 
 /// False: Bullet's implicit solver without projection, of 3.24, doesn't move what is at rest, so that loads have no

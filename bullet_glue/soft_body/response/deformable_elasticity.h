@@ -1,4 +1,4 @@
-// Stiffness and damping of Bullet's forces on bodies of tetrahedra and pinned sheets, in the deformable world.
+// Stiffness and damping of Bullet's forces on bodies of tetrahedra and on sheets that carry, in the deformable world.
 //
 // Bullet solves elasticity before contacts are found here, and these move a node by its own mass: what surrounds it
 // bears on the other side from the next step on only. In stiff bodies the nodes' masses are next to nothing, so one
@@ -33,6 +33,7 @@ class qcDeformableElasticity : public qcNodeElasticity
         return 20;
     }
     bool Covers(const qcSceneSoftBody& soft) const override;
+    bool CoversUnderLoad(const qcSceneSoftBody& soft) const override;
     bool IsStrainedByRigidsOnly() const override
     {
         return false;

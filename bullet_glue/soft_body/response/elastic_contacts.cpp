@@ -11,6 +11,9 @@
 
 namespace
 {
+// Loads of this share of a sheet's mass raise its energy by contacts alone.
+constexpr btScalar s_loadShare = btScalar(0.5);
+
 /// The soft body of a key, if the scene still has it.
 qcSceneSoftBody* FindSoft(qcSoftBodyScene& scene, const qcObjectKey& key)
 {
@@ -25,7 +28,76 @@ void qcElasticContacts::FindCovered(qcSoftBodyScene& scene)
 {
     m_isCovered.clear();
     for (const qcSceneSoftBody& soft : scene.Bodies())
-        m_isCovered.push_back(m_elasticity->Covers(soft));
+        m_isCovered.push_back(m_elasticity->Covers(soft) || (IsUnderLoad(soft) && m_elasticity->CoversUnderLoad(soft)));
+}
+
+bool qcElasticContacts::IsUnderLoad(const qcSceneSoftBody& soft) const
+{
+    return std::any_of(m_underLoad.begin(), m_underLoad.end(),
+                       [&soft](const qcObjectKey& key)
+                       { return key.object == soft.body && key.uniqueId == soft.uniqueId; });
+}
+
+/// Finds the soft bodies that count only for what lies on them: rigid bodies whose contacts push them down in sum, and
+/// which together weigh more than a share of what the soft body does. Those that touch it pass the load on.
+void qcElasticContacts::FindUnderLoad(qcSoftBodyScene& scene, const std::vector<qcSoftConstraint>& constraints)
+{
+    struct Load
+    {
+        const qcSceneSoftBody* soft;
+        const btRigidBody* body;
+        btVector3 normals;
+    };
+    m_underLoad.clear();
+    btScalar all = 0;
+    for (const std::unique_ptr<qcSceneRigid>& rigid : scene.meshes.Rigids())
+        all += rigid->body != nullptr && rigid->body->getInvMass() > 0 ? 1 / rigid->body->getInvMass() : btScalar(0);
+    auto mayBe = [&](const qcSceneSoftBody& soft)
+    { return all > s_loadShare * soft.body->getTotalMass() && m_elasticity->CoversUnderLoad(soft); };
+    if (!(all > 0) || std::none_of(scene.Bodies().begin(), scene.Bodies().end(), mayBe))
+        return;
+    uint32_t node;
+    std::vector<Load> loads;
+    for (const qcSoftConstraint& constraint : constraints)
+    {
+        const btRigidBody* body = constraint.rigid != nullptr ? constraint.rigid->body : nullptr;
+        const qcSceneSoftBody* soft = body != nullptr ? scene.OwnerOf(constraint.position[0], &node) : nullptr;
+        if (soft == nullptr)
+            continue;
+        auto load = std::find_if(loads.begin(), loads.end(),
+                                 [&](const Load& other) { return other.soft == soft && other.body == body; });
+        if (load == loads.end())
+            load = loads.insert(load, {soft, body, btVector3(0, 0, 0)});
+        load->normals += constraint.normal;
+    }
+    for (const qcSceneSoftBody& soft : scene.Bodies())
+    {
+        btScalar mass = 0;
+        for (const Load& load : loads)
+            if (load.soft == &soft && load.normals.dot(load.body->getGravity()) > 0)
+                mass += 1 / load.body->getInvMass();
+        if (mass > 0 && mass > s_loadShare * soft.body->getTotalMass() && m_elasticity->CoversUnderLoad(soft))
+            m_underLoad.emplace_back(soft.body, soft.uniqueId);
+    }
+    for (bool changed = !m_underLoad.empty(); changed;)
+    {
+        changed = false;
+        for (const qcSoftConstraint& constraint : constraints)
+        {
+            const int last = constraint.nodeCount - 1;
+            const qcSceneSoftBody* softs[2] = {scene.OwnerOf(constraint.position[0], &node),
+                                               scene.OwnerOf(constraint.position[last], &node)};
+            if (constraint.rigid != nullptr || softs[0] == softs[1] || softs[0] == nullptr || softs[1] == nullptr)
+                continue;
+            for (int side = 0; side < 2; side++)
+                if (IsUnderLoad(*softs[side]) && !IsUnderLoad(*softs[1 - side]) &&
+                    m_elasticity->CoversUnderLoad(*softs[1 - side]))
+                {
+                    m_underLoad.emplace_back(softs[1 - side]->body, softs[1 - side]->uniqueId);
+                    changed = true;
+                }
+        }
+    }
 }
 
 /// True if the rigid body already presses on the soft body: what is borne strains it no more.
@@ -95,6 +167,7 @@ void qcElasticContacts::Keep(qcSoftBodyScene& scene, const qcSoftTangles& tangle
                                      [](const qcSoftConstraint& constraint)
                                      { return constraint.rigid != nullptr && constraint.rigid->CanMove(); }))
         return;
+    FindUnderLoad(scene, constraints);
     FindCovered(scene);
     std::set<const btCollisionObject*> inChains;
     for (const qcSoftConstraint& constraint : constraints)

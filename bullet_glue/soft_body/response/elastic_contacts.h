@@ -50,6 +50,8 @@ class qcElasticContacts
     };
 
     void FindCovered(qcSoftBodyScene& scene);
+    bool IsUnderLoad(const qcSceneSoftBody& soft) const;
+    void FindUnderLoad(qcSoftBodyScene& scene, const std::vector<qcSoftConstraint>& constraints);
     bool IsCovered(qcSoftBodyScene& scene, const qcSceneSoftBody& soft) const
     {
         return m_isCovered[size_t(&soft - scene.Bodies().data())];
@@ -69,7 +71,8 @@ class qcElasticContacts
     void NumberNodes();
     void LimitRebounds();
 
-    std::vector<bool> m_isCovered; ///< by soft body of the scene
+    std::vector<bool> m_isCovered;        ///< by soft body of the scene
+    std::vector<qcObjectKey> m_underLoad; ///< soft bodies that count in the next step for what lies on them
     std::vector<Kept> m_kept;
     std::vector<qcElasticSpring> m_springs;
     std::vector<Sides> m_sides; ///< by spring

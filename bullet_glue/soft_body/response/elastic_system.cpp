@@ -572,8 +572,16 @@ qcRigidDisplacement qcElasticSystem::DisplacementOf(int rigid) const
             m_x[At(rigid)] * FreedomOf(body.getLinearFactor())};
 }
 
-void qcElasticSystem::Apply(btScalar timeStep) const
+void qcElasticSystem::Apply(btScalar timeStep)
 {
+    // Rotations are finite: what is anchored stays at its place on the body.
+    for (const Tied& tied : m_tied)
+        if (tied.point.rigid >= 0)
+        {
+            const btTransform& from = m_rigids[size_t(tied.point.rigid)].body->getWorldTransform();
+            const btVector3& place = m_nodes[size_t(tied.node)]->m_x;
+            m_x[tied.node] = qcDisplaced(from, DisplacementOf(tied.point.rigid)) * from.invXform(place) - place;
+        }
     for (size_t i = 0; i < m_nodes.size(); i++)
         if (m_nodes[i] != nullptr)
             m_elasticity->Move(size_t(m_bodyOfNode[i]), m_nodes[i], m_x[int(i)]);

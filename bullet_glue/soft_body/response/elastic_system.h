@@ -61,7 +61,7 @@ class qcElasticSystem
         m_rigids[size_t(rigid)].velocityShare = share;
     }
     /// Adds the displacements to the bodies' positions, and the velocities that lead there.
-    void Apply(btScalar timeStep) const;
+    void Apply(btScalar timeStep);
 
   private:
     struct Rigid

@@ -33,6 +33,11 @@ class qcNodeElasticity
     virtual btScalar SpringStiffness() const = 0;
     /// True if contacts of the body count.
     virtual bool Covers(const qcSceneSoftBody& soft) const = 0;
+    /// True if they count while rigid bodies lie on it that weigh more than a share of what it does.
+    virtual bool CoversUnderLoad(const qcSceneSoftBody&) const
+    {
+        return false;
+    }
     /// True if only rigid bodies that can move strain the bodies. Otherwise all that touches them does.
     virtual bool IsStrainedByRigidsOnly() const = 0;
     /// True if a rigid body that touches a soft one, which is on the side of the normal, may need to be borne.

@@ -30,6 +30,9 @@ void AddNodes(qcSceneSoftBody& body, const uint32_t vertices[3], const double we
             continue;
         btScalar weight = sign * btScalar(weights[i]);
         btScalar inverseMass = body.InverseMass(vertices[i]);
+        qcSceneRigid* const tiedTo = body.TiedTo(vertices[i]);
+        constraint->tiedTo[constraint->nodeCount] = tiedTo;
+        constraint->isTied = constraint->isTied || tiedTo != nullptr;
         constraint->position[constraint->nodeCount] = &body.positions[vertices[i]];
         constraint->inverseMass[constraint->nodeCount] = inverseMass;
         constraint->weight[constraint->nodeCount++] = weight;
@@ -46,6 +49,34 @@ void ReadPoint(qcSoftConstraint* constraint)
     constraint->arm = constraint->point - now.getOrigin();
 }
 
+/// From the centre of the body that the node moves with.
+btVector3 ArmOf(const qcSoftConstraint& constraint, int node)
+{
+    const qcSceneRigid& rigid = *constraint.tiedTo[node];
+    return *constraint.position[node] - rigid.object->getWorldTransform().getOrigin() - rigid.pushed.linear;
+}
+
+/// How far a unit impulse along a direction moves the sides apart by the bodies that nodes move with; `largest`: the
+/// largest displacement of a node by such an impulse on it alone, with its weight.
+btScalar YieldOfTied(const qcSoftConstraint& constraint, const btVector3& direction, btScalar* largest)
+{
+    btScalar sum = 0;
+    for (int i = 0; i < constraint.nodeCount; i++)
+    {
+        if (constraint.tiedTo[i] == nullptr)
+            continue;
+        const btVector3 arm = ArmOf(constraint, i);
+        const btScalar weight = constraint.weight[i];
+        const btScalar own = constraint.tiedTo[i]->DisplacementAt(arm, direction).dot(direction);
+        *largest = std::max(*largest, btFabs(weight) * own / direction.length2());
+        for (int k = 0; k < constraint.nodeCount; k++)
+            if (constraint.tiedTo[k] == constraint.tiedTo[i])
+                sum += weight * constraint.weight[k] *
+                       constraint.tiedTo[k]->DisplacementBy(ArmOf(constraint, k), direction).At(arm).dot(direction);
+    }
+    return sum / direction.length2();
+}
+
 /// How far a unit impulse along a direction moves the sides apart, times the time step; at least as far as it moves
 /// each node: a single movable node of small weight would be thrown away.
 btScalar YieldAlong(const qcSoftConstraint& constraint, const btVector3& direction)
@@ -55,7 +86,11 @@ btScalar YieldAlong(const qcSoftConstraint& constraint, const btVector3& directi
         yield += constraint.rigid->DisplacementAt(constraint.arm, direction).dot(direction) / direction.length2();
     for (int i = 0; i < constraint.nodeCount; i++)
         yield = std::max(yield, btFabs(constraint.weight[i]) * constraint.inverseMass[i]);
-    return yield;
+    if (!constraint.isTied || !(direction.length2() > 0))
+        return yield;
+    btScalar largest = 0;
+    const btScalar ofTied = YieldOfTied(constraint, direction, &largest);
+    return std::max(yield + ofTied, largest);
 }
 
 /// Moves the sides of the constraint apart by `missing`, divided by weight and mass.
@@ -66,6 +101,9 @@ void Push(const qcSoftConstraint& constraint, const btVector3& missing)
         return;
     for (int i = 0; i < constraint.nodeCount; i++)
         *constraint.position[i] += missing * (constraint.weight[i] * constraint.inverseMass[i] / yield);
+    for (int i = 0; constraint.isTied && i < constraint.nodeCount; i++)
+        if (constraint.tiedTo[i] != nullptr)
+            constraint.tiedTo[i]->Push(ArmOf(constraint, i), missing * (constraint.weight[i] / yield));
     if (constraint.rigid != nullptr)
         constraint.rigid->Push(constraint.arm, -missing / yield);
 }
@@ -75,7 +113,7 @@ void Push(const qcSoftConstraint& constraint, const btVector3& missing)
 btScalar MaxFriction(const qcSoftConstraint& constraint, const btVector3& sliding)
 {
     const btScalar ofPush = constraint.friction * constraint.pushed;
-    const bool yieldsEvenly = constraint.rigid == nullptr || !constraint.rigid->CanMove();
+    const bool yieldsEvenly = !constraint.isTied && (constraint.rigid == nullptr || !constraint.rigid->CanMove());
     if (yieldsEvenly && constraint.chainFriction <= 0)
         return ofPush;
     const btScalar aside = YieldAlong(constraint, sliding), ofChains = constraint.chainFriction * aside;
@@ -283,7 +321,7 @@ bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], con
     // Contact wakes the rigid body, as Bullet's own contact of soft bodies does. It moves from the next step on.
     if (soft.moves)
         rigid.Wake();
-    return constraint->inverseEffectiveMass > 0 || rigid.CanMove();
+    return constraint->inverseEffectiveMass > 0 || constraint->isTied || rigid.CanMove();
 }
 
 void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles, const qcResult& result,
@@ -309,7 +347,7 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
         {
             AddNodes(*view.a, view.verticesA, view.weightsA, 1, &constraint);
             AddNodes(*view.b, view.verticesB, view.weightsB, -1, &constraint);
-            if (constraint.inverseEffectiveMass <= 0)
+            if (constraint.inverseEffectiveMass <= 0 && !constraint.isTied)
                 continue;
             constraint.friction = view.friction;
             Orient(view.thickness, view.normal, false, &constraint);

@@ -63,7 +63,9 @@ struct qcSoftConstraint
     btVector3 taken{0, 0, 0}; ///< sliding that friction has taken back so far
     /// Friction by the load of force chains through this contact: an impulse times the time step.
     btScalar chainFriction = 0;
-    bool isInChain = false; ///< of force chains
+    bool isInChain = false;  ///< of force chains
+    bool isTied = false;     ///< one of its nodes moves with a rigid body
+    qcSceneRigid* tiedTo[6]; ///< the body that moves with the node, which then has no inverse mass; or null
 };
 
 class qcForceChains;

@@ -136,18 +136,46 @@ void qcRigidZones::AppendMembersOf(uint32_t slot, uint32_t triangle, std::vector
     const qcSceneSoftBody* soft = m_scene.Find(slot);
     if (soft != nullptr)
     {
-        uint32_t first = m_firstNode[size_t(soft - m_scene.Bodies().data())];
         for (size_t c = 0; c < 3; c++)
-            members->push_back(first + soft->topology.indices[3 * size_t(triangle) + c]);
+            members->push_back(MemberOf(soft, soft->topology.indices[3 * size_t(triangle) + c]));
         return;
     }
     qcSceneRigid* rigid = nullptr;
     // A mesh that deforms moves by no rigid motion, and unites no zones: see Carry.
     if (m_scene.meshes.Find(slot, &rigid)->Deforms())
         return;
+    members->push_back(MemberOf(rigid));
+}
+
+uint32_t qcRigidZones::MemberOf(const qcSceneRigid* rigid) const
+{
     auto isIt = [rigid](const Member& member) { return member.rigid == rigid; };
-    auto member = std::find_if(m_members.begin() + m_firstObject, m_members.end(), isIt);
-    members->push_back(uint32_t(member - m_members.begin()));
+    return uint32_t(std::find_if(m_members.begin() + m_firstObject, m_members.end(), isIt) - m_members.begin());
+}
+
+/// Appends what moves with the members: the bodies that nodes are tied to, and all nodes tied to bodies.
+void qcRigidZones::AppendTied(std::vector<uint32_t>* members) const
+{
+    for (size_t i = 0; i < members->size(); i++)
+    {
+        const Member& member = m_members[(*members)[i]];
+        if (member.rigid != nullptr)
+            for (const qcTiedNode& node : member.rigid->tied)
+                members->push_back(MemberOf(node.soft, node.node));
+        else if (const qcSceneRigid* rigid = member.soft->TiedTo(member.node))
+        {
+            const uint32_t body = MemberOf(rigid);
+            if (std::find(members->begin(), members->end(), body) == members->end())
+                members->push_back(body);
+        }
+    }
+}
+
+/// Zero: a fixed node. A tied one moves with its body, which is in its zone.
+btScalar qcRigidZones::InverseMassOf(const Member& node)
+{
+    return node.soft->TiedTo(node.node) != nullptr ? node.soft->body->m_nodes[int(node.node)].m_im
+                                                   : node.soft->InverseMass(node.node);
 }
 
 /// Has the zone of a member go with a triangle of a mesh that deforms.
@@ -174,6 +202,7 @@ bool qcRigidZones::Add(const qcPair& pair)
     std::vector<uint32_t> members;
     AppendMembersOf(pair.bodyA, pair.triangleA, &members);
     AppendMembersOf(pair.bodyB, pair.triangleB, &members);
+    AppendTied(&members);
     Carry(pair.bodyA, pair.triangleA, members[0]);
     Carry(pair.bodyB, pair.triangleB, members[0]);
     const uint32_t last = m_zones[members[0]];
@@ -208,9 +237,9 @@ btTransform qcRigidZones::FindMotion(const std::vector<uint32_t>& zone, bool rot
         if (member.rigid == nullptr)
         {
             const btVector3& start = member.soft->start[member.node];
-            if (member.soft->InverseMass(member.node) == 0)
+            if (InverseMassOf(member) == 0)
                 return Translation(member.target.getOrigin() - start);
-            mean.AddMass(start, 1 / member.soft->InverseMass(member.node));
+            mean.AddMass(start, 1 / InverseMassOf(member));
         }
         else if (member.rigid->isFixed || !member.rigid->CanMove())
             return member.rigid->MotionTo(member.target);
@@ -228,8 +257,7 @@ btTransform qcRigidZones::FindMotion(const std::vector<uint32_t>& zone, bool rot
         if (member.rigid != nullptr)
             mean.AddMotion(*member.rigid, member.target);
         else
-            mean.AddMotion(member.soft->start[member.node], member.target.getOrigin(),
-                           1 / member.soft->InverseMass(member.node));
+            mean.AddMotion(member.soft->start[member.node], member.target.getOrigin(), 1 / InverseMassOf(member));
     }
     return mean.Find(rotates);
 }
@@ -258,7 +286,7 @@ void qcRigidZones::MoveZone(const std::vector<uint32_t>& zone)
         const Member& member = m_members[index];
         if (member.rigid != nullptr)
             m_scene.meshes.MoveFromStart(*member.rigid, motion);
-        else if (member.soft->InverseMass(member.node) > 0)
+        else if (InverseMassOf(member) > 0)
         {
             const btVector3& start = member.soft->start[member.node];
             member.soft->positions[member.node] = stays ? start : motion * start;

@@ -91,6 +91,13 @@ class qcRigidZones
     uint32_t ZoneOf(const qcPair& pair) const;
     void Carry(uint32_t slot, uint32_t triangle, uint32_t member);
     void AppendMembersOf(uint32_t slot, uint32_t triangle, std::vector<uint32_t>* members) const;
+    void AppendTied(std::vector<uint32_t>* members) const;
+    uint32_t MemberOf(const qcSceneRigid* rigid) const;
+    uint32_t MemberOf(const qcSceneSoftBody* soft, uint32_t node) const
+    {
+        return m_firstNode[size_t(soft - m_scene.Bodies().data())] + node;
+    }
+    static btScalar InverseMassOf(const Member& node);
     btTransform FindMotion(const std::vector<uint32_t>& zone, bool rotates) const;
     void MoveZone(const std::vector<uint32_t>& zone);
     btScalar DeviationOf(uint32_t slot, uint32_t triangle, const btTransform& motion) const;

@@ -61,12 +61,13 @@ btScalar LowestOf(const qcPlaneSide& side, const btVector3& outward, const btVec
 /// A corner of a triangle, relative to a plane.
 struct Corner
 {
-    btVector3 start, end;     ///< positions at the start of the step and at present
-    btVector3 motion;         ///< in the step so far
-    btScalar height = 0;      ///< along the plane's normal, away from the plane
-    btScalar startHeight = 0; ///< at the start of the step
-    btScalar inverseMass = 0; ///< along the normal; 0: fixed
-    btVector3 arm;            ///< of a mesh: from the centre of its object
+    btVector3 start, end;         ///< positions at the start of the step and at present
+    btVector3 motion;             ///< in the step so far
+    btScalar height = 0;          ///< along the plane's normal, away from the plane
+    btScalar startHeight = 0;     ///< at the start of the step
+    btScalar inverseMass = 0;     ///< along the normal; 0: fixed
+    btVector3 arm;                ///< of a mesh, or of a tied node: from the centre of its object
+    qcSceneRigid* tied = nullptr; ///< the body that a node moves with
 };
 
 struct Corners
@@ -104,6 +105,12 @@ struct Corners
         made.height = outward.dot(made.end - origin);
         made.startHeight = outward.dot(made.start - origin);
         made.inverseMass = side->soft->InverseMass(vertex);
+        made.tied = side->soft->TiedTo(vertex);
+        if (made.tied != nullptr)
+        {
+            made.arm = made.end - made.tied->object->getWorldTransform().getOrigin() - made.tied->pushed.linear;
+            made.inverseMass = outward.dot(made.tied->DisplacementAt(made.arm, outward));
+        }
         return made;
     }
 
@@ -194,20 +201,30 @@ struct Corners
         if (side->rigid != nullptr)
         {
             if (const Corner* deepest = Deepest(floor))
-            {
-                const btScalar impulse = (floor - deepest->height) / deepest->inverseMass;
-                side->rigid->Push(deepest->arm, (outward + sliding) * impulse);
-                // Normals of single pairs are not those of the surface: with their torque a ball in a cloth was spun up
-                // without any friction, and threw the cloth about. Contact turns bodies.
-                if (side->rigid->body != nullptr)
-                    side->rigid->recovered.angular +=
-                        side->rigid->DisplacementBy(deepest->arm, outward * impulse).angular;
-            }
+                RaiseRigid(side->rigid, *deepest, floor - deepest->height, sliding);
             return;
         }
         for (int i = 0; i < side->count; i++)
-            if (corner[i].inverseMass > 0 && corner[i].height < floor)
-                side->soft->positions[side->vertices[i]] += (outward + sliding) * (floor - corner[i].height);
+        {
+            btVector3& position = side->soft->positions[side->vertices[i]];
+            if (!(corner[i].inverseMass > 0 && corner[i].height < floor))
+                continue;
+            if (corner[i].tied == nullptr)
+                position += (outward + sliding) * (floor - corner[i].height);
+            // One body raises all of its corners.
+            else if (const btScalar missing = floor - outward.dot(position - origin); missing > 0)
+                RaiseRigid(corner[i].tied, corner[i], missing, sliding);
+        }
+    }
+
+    void RaiseRigid(qcSceneRigid* rigid, const Corner& at, btScalar distance, const btVector3& sliding) const
+    {
+        const btScalar impulse = distance / at.inverseMass;
+        rigid->Push(at.arm, (outward + sliding) * impulse);
+        // Normals of single pairs are not those of the surface: with their torque a ball in a cloth was spun up without
+        // any friction, and threw the cloth about. Contact turns bodies.
+        if (rigid->body != nullptr)
+            rigid->recovered.angular += rigid->DisplacementBy(at.arm, outward * impulse).angular;
     }
 };
 

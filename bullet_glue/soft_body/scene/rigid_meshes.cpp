@@ -89,6 +89,8 @@ void ReadState(qcSceneRigid* rigid, const btTransform& start, btScalar timeStep)
     rigid->stepsInPlace = isInPlace ? std::min(rigid->stepsInPlace + 1, s_minStepsOfBelt) : 0;
     rigid->moved = rigid->recovered = qcRigidDisplacement();
     rigid->fromStart = rigid->isFixed = false;
+    rigid->tied.clear();
+    rigid->massShare = 1;
     rigid->conveyed = ConveyedBy(*rigid, timeStep);
 }
 } // namespace

@@ -76,6 +76,8 @@ class qcRigidMeshes
     void UpdateVelocities(btScalar timeStep);
     /// Contacts of this step move these objects no further. False: none of them is near a soft body.
     bool Fix(const std::vector<const btCollisionObject*>& objects);
+    /// Puts the nodes that are tied to these objects to where they are now.
+    void MoveTied(const std::vector<const btCollisionObject*>& objects) const;
     /// Returns the first guided one of these objects that can return, with all its multibody, to the start of the step;
     /// contacts move it no further. False: there is none.
     bool ReturnToStart(const std::vector<qcSceneRigid*>& rigids);

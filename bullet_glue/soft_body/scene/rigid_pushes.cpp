@@ -23,6 +23,7 @@ bool qcRigidMeshes::Commit()
         rigid->moved.linear += pushed.linear;
         rigid->moved.angular += pushed.angular;
         rigid->pushed = qcRigidDisplacement();
+        rigid->MoveTied();
         any = true;
     }
     for (const std::unique_ptr<qcMultiBodyMotion>& multibody : m_multibodies)
@@ -80,6 +81,13 @@ bool qcRigidMeshes::Fix(const std::vector<const btCollisionObject*>& objects)
     return any;
 }
 
+void qcRigidMeshes::MoveTied(const std::vector<const btCollisionObject*>& objects) const
+{
+    for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
+        if (std::find(objects.begin(), objects.end(), rigid->object) != objects.end())
+            rigid->MoveTied();
+}
+
 bool qcRigidMeshes::ReturnToStart(const std::vector<qcSceneRigid*>& rigids)
 {
     for (qcSceneRigid* returned : rigids)
@@ -91,6 +99,7 @@ bool qcRigidMeshes::ReturnToStart(const std::vector<qcSceneRigid*>& rigids)
         {
             returned->isFixed = returned->fromStart = true;
             returned->object->setWorldTransform(returned->start);
+            returned->MoveTied();
         }
         else
             for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)

@@ -2,6 +2,7 @@
 #include "soft_body/scene/scene_rigid.h"
 
 #include "common/changed_shapes.h"
+#include "soft_body/scene/scene_soft_body.h"
 
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 #include <LinearMath/btAabbUtil2.h>
@@ -15,7 +16,7 @@ qcRigidDisplacement qcSceneRigid::DisplacementBy(const btVector3& arm, const btV
     if (multibody != nullptr)
         by = multibody->DisplacementBy(link, arm, push);
     else if (body != nullptr)
-        by = qcDisplacementBy(*body, arm, push);
+        by = qcDisplacementBy(*body, arm, push * massShare);
     return isGuided && qcIsLedElsewhere(by.At(arm), push) ? qcRigidDisplacement() : by;
 }
 
@@ -31,9 +32,28 @@ void qcSceneRigid::Push(const btVector3& arm, const btVector3& push)
     {
         pushed.linear += by.linear;
         pushed.angular += by.angular;
+        if (!tied.empty())
+            MoveTied();
     }
     else if (!by.linear.isZero() || !by.angular.isZero())
         multibody->Push(link, arm, push);
+}
+
+void qcSceneRigid::Tie(qcSceneSoftBody* soft, uint32_t node)
+{
+    tied.push_back({soft, node, object->getWorldTransform().invXform(soft->positions[node])});
+    // Tied nodes weigh what they did.
+    massShare = 1 / (1 / massShare + body->getInvMass() / soft->body->m_nodes[int(node)].m_im);
+}
+
+void qcSceneRigid::MoveTied() const
+{
+    const btTransform& now = object->getWorldTransform();
+    for (const qcTiedNode& node : tied)
+    {
+        const btVector3 place = now * node.local;
+        node.soft->positions[node.node] = place + pushed.At(place - now.getOrigin());
+    }
 }
 
 void qcSceneRigid::Wake() const

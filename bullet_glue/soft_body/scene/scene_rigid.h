@@ -10,6 +10,16 @@
 #include <algorithm>
 #include <vector>
 
+struct qcSceneSoftBody;
+
+/// A node that is anchored to a rigid body and moves with it in contact.
+struct qcTiedNode
+{
+    qcSceneSoftBody* soft;
+    uint32_t node;
+    btVector3 local; ///< where it is, in the frame of the body
+};
+
 /// An object with meshes.
 struct qcSceneRigid
 {
@@ -34,9 +44,11 @@ struct qcSceneRigid
     qcRigidDisplacement moved;     ///< of its body, by Commit since the last UpdateVelocities
     qcRigidDisplacement recovered; ///< the part of `moved` that gives no velocity
     bool isFixed = false; ///< contacts of this step move it no further: its limits have stopped it, or it has returned
-    bool fromStart = false; ///< a zone moves it from the start of the step, which determines its velocity, too
-    bool hasEnd = false;    ///< the object was in the previous step
-    int stepsInPlace = 0;   ///< for how long the object has not moved, up to what a conveyor belt needs
+    bool fromStart = false;       ///< a zone moves it from the start of the step, which determines its velocity, too
+    bool hasEnd = false;          ///< the object was in the previous step
+    std::vector<qcTiedNode> tied; ///< nodes that move with its body
+    btScalar massShare = 1;       ///< of its body's mass in that of the body with these nodes
+    int stepsInPlace = 0;         ///< for how long the object has not moved, up to what a conveyor belt needs
     btTransform end = btTransform::getIdentity(); ///< of the object, at the end of the previous step
 
     /// True if contacts can move the object, unless it is fixed.
@@ -50,6 +62,10 @@ struct qcSceneRigid
     qcRigidDisplacement DisplacementBy(const btVector3& arm, const btVector3& push) const;
     /// Adds the motion by this push: of the object, or of all links of its multibody.
     void Push(const btVector3& arm, const btVector3& push);
+    /// Has a node move with the body from here on, as it lies now.
+    void Tie(qcSceneSoftBody* soft, uint32_t node);
+    /// Puts the tied nodes to where the body is, with what contacts have pushed it by.
+    void MoveTied() const;
     /// Pushes from here to EndRecovery give its body no velocity.
     void BeginRecovery()
     {

@@ -81,14 +81,14 @@ void qcSceneSoftBody::ReadAnchors()
     for (int i = 0; i < body->m_anchors.size(); i++)
     {
         const btSoftBody::Anchor& anchor = body->m_anchors[i];
-        anchors.push_back({uint32_t(IndexOf(anchor.m_node)), anchor.m_body, anchor.m_local});
+        anchors.push_back({uint32_t(IndexOf(anchor.m_node)), anchor.m_body, anchor.m_local, nullptr});
     }
     for (int i = 0; i < body->m_deformableAnchors.size(); i++)
     {
         const btSoftBody::DeformableNodeRigidAnchor& anchor = body->m_deformableAnchors[i];
         const size_t node = IndexOf(anchor.m_node);
         pinned[node] = true;
-        anchors.push_back({uint32_t(node), anchor.m_cti.m_colObj, anchor.m_local});
+        anchors.push_back({uint32_t(node), anchor.m_cti.m_colObj, anchor.m_local, nullptr});
     }
 }
 

@@ -41,12 +41,15 @@ struct qcHeldContact
     btScalar thickness = 0, friction = 0;
 };
 
+struct qcSceneRigid;
+
 /// A node that is fixed to a point of a rigid object.
 struct qcSoftAnchor
 {
     uint32_t node;
     const btCollisionObject* object;
-    btVector3 local; ///< the point, in the object's frame
+    btVector3 local;                ///< the point, in the object's frame
+    qcSceneRigid* tiedTo = nullptr; ///< the object, if contacts move it with the node
 
     bool IsOneOf(const uint32_t nodes[3]) const
     {
@@ -87,7 +90,7 @@ struct qcSceneSoftBody
     /// The parts of the positions that untangling, or in the deformable world the restoring of gaps, added in this
     /// step; they give no velocity. Empty: none.
     std::vector<btVector3> shifts;
-    std::vector<bool> pinned; ///< nodes that contacts don't move; empty: none
+    std::vector<bool> pinned; ///< nodes that contacts don't move, but for those of TiedTo; empty: none
     /// Nodes that are anchored to a rigid object: their triangles don't collide with that, since an anchor may lie
     /// inside.
     std::vector<qcSoftAnchor> anchors;
@@ -161,6 +164,15 @@ struct qcSceneSoftBody
     {
         bool isFixed = !moves || (!pinned.empty() && pinned[node]);
         return isFixed ? btScalar(0) : body->m_nodes[int(node)].m_im;
+    }
+    /// The body that the node moves with in contact, or null.
+    qcSceneRigid* TiedTo(uint32_t node) const
+    {
+        if (pinned.empty() || !pinned[node])
+            return nullptr;
+        auto anchor = std::find_if(anchors.begin(), anchors.end(),
+                                   [node](const qcSoftAnchor& other) { return other.node == node; });
+        return anchor != anchors.end() ? anchor->tiedTo : nullptr;
     }
     bool CollidesWithRigidBodies() const
     {

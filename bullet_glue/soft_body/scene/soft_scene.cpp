@@ -98,7 +98,29 @@ qcStatus qcSoftBodyScene::ReadSolved(btScalar timeStep, const qcRigidLimits* lim
         if (tracked.hasSolvedBox)
             CollectMeshes(tracked, tracked.solvedBox);
     }
-    return meshes.Sync(m_scene);
+    const qcStatus status = meshes.Sync(m_scene);
+    for (qcSceneSoftBody& tracked : m_bodies)
+        TieAnchored(tracked);
+    return status;
+}
+
+/// Ties the nodes that deformable anchors fix to rigid bodies near by that contacts move. A node with several anchors
+/// stays where Bullet places it.
+void qcSoftBodyScene::TieAnchored(qcSceneSoftBody& tracked)
+{
+    if (!tracked.moves || tracked.body->m_deformableAnchors.size() == 0 || tracked.body->m_reducedModel)
+        return;
+    std::vector<int> counts(tracked.positions.size(), 0);
+    for (const qcSoftAnchor& anchor : tracked.anchors)
+        counts[anchor.node]++;
+    for (qcSoftAnchor& anchor : tracked.anchors)
+        for (const std::unique_ptr<qcSceneRigid>& rigid : meshes.Rigids())
+            if (rigid->object == anchor.object && rigid->body != nullptr && counts[anchor.node] == 1 &&
+                tracked.pinned[anchor.node] && tracked.body->m_nodes[int(anchor.node)].m_im > 0)
+            {
+                anchor.tiedTo = rigid.get();
+                rigid->Tie(&tracked, anchor.node);
+            }
 }
 
 /// Collects the objects near a box around the motion of a body.

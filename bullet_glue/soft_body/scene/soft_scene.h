@@ -111,6 +111,7 @@ class qcSoftBodyScene
     void ApplyFilters(const qcSceneSoftBody& tracked);
     void ApplyThickness(qcSceneSoftBody& tracked);
     void CollectMeshes(qcSceneSoftBody& tracked, const btVector3 box[2]);
+    void TieAnchored(qcSceneSoftBody& tracked);
     qcStatus FollowMotions(bool* added);
     void AddMotionBox(qcSceneSoftBody& tracked, btScalar reach);
     void FindPartners(bool mayLeaveOut);
