@@ -396,10 +396,16 @@ bool qcContactBatch::ReadPair(const qcPlacedMesh& a, const qcPlacedMesh& b, std:
 void qcContactBatch::FindPoints(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar timeStep, uint64_t* check,
                                 std::vector<qcMeshPoint>* points)
 {
+    // While this thread waits for a loop of the batch, its scheduler has it process another pair.
+    if (m_mutex.IsHeldHere())
+        m_isHelped = true;
+    else
     {
-        std::lock_guard<std::mutex> lock(m_mutex);
+        std::lock_guard<qcLoopMutex> lock(m_mutex);
         if (AreLeftOut(a, b))
             return;
+        if (m_isHelped)
+            settings.threads = 1;
         m_scene.SetTimeStep(timeStep);
         // A pair is computed once a step. Its second call since a check, or a call after one of its bodies has moved,
         // belongs to a new step.
@@ -420,7 +426,7 @@ void qcContactBatch::FindPoints(const qcPlacedMesh& a, const qcPlacedMesh& b, bt
         if (ReadPair(a, b, points))
             return;
     }
-    // The pair is not in the world's pair cache.
+    // The pair is not in the world's pair cache, or the batch is not there yet.
     QueryPair(a, b, qcContactDistance(a.shape, b.shape) + a.shape->getMargin() + b.shape->getMargin(), points);
 }
 
@@ -433,13 +439,13 @@ void qcContactBatch::MarkStarts()
 
 void qcContactBatch::MarkStarts(const btCollisionObject* a, const btCollisionObject* b, uint64_t* mark)
 {
-    if (AreOfGhost(a, b))
+    if (AreOfGhost(a, b) || m_mutex.IsHeldHere())
         return;
     // The second call since a mark, or the first one since the end of a step, belongs to a new step.
     auto isNew = [this, mark] { return !m_isMarked || *mark == m_mark; };
     if (*mark != 0 && isNew())
     {
-        std::lock_guard<std::mutex> lock(m_mutex);
+        std::lock_guard<qcLoopMutex> lock(m_mutex);
         if (isNew())
             MarkStarts();
     }
@@ -450,11 +456,17 @@ void qcContactBatch::QueryPair(const qcPlacedMesh& a, const qcPlacedMesh& b, btS
                                std::vector<qcMeshPoint>* points)
 {
     BT_PROFILE("qcMeshContact query");
-    {
-        std::lock_guard<std::mutex> lock(m_mutex);
-        if (AreLeftOut(a, b))
-            return;
-    }
+    std::unique_lock<qcLoopMutex> lock(m_mutex, std::defer_lock);
+    const bool isHeldHere = m_mutex.IsHeldHere();
+    if (!isHeldHere)
+        lock.lock();
+    if (AreLeftOut(a, b))
+        return;
+    qcDetectDef detectDef = DetectDef(distance, SpacingOf(a.shape, b.shape));
+    if (isHeldHere)
+        detectDef.threads = 1;
+    else
+        lock.unlock();
     qcSceneDef def = qcDefaultSceneDef();
     qcScene* scene = nullptr;
     qcStatus status = qcScene_Create(&def, &scene);
@@ -464,7 +476,6 @@ void qcContactBatch::QueryPair(const qcPlacedMesh& a, const qcPlacedMesh& b, btS
     btVector3 boxA[2], boxB[2];
     BoxIn(b, a, distance, boxA);
     BoxIn(a, b, distance, boxB);
-    qcDetectDef detectDef = DetectDef(distance, SpacingOf(a.shape, b.shape));
     // A new scene has no measured costs for the planner, and its geometry is not on the device.
     detectDef.method = qc_methodSweep;
     const qcResult* result = nullptr;
@@ -476,7 +487,8 @@ void qcContactBatch::QueryPair(const qcPlacedMesh& a, const qcPlacedMesh& b, btS
         status = qcScene_Detect(scene, &detectDef, &result);
     if (status == qc_statusOk)
         qcAppendPoints(*result, idA, sourcesA, idB, sourcesB, points);
-    std::lock_guard<std::mutex> lock(m_mutex);
+    if (!isHeldHere)
+        lock.lock();
     statistics.queries++;
     Note(status);
 }
@@ -498,7 +510,7 @@ bool qcContactBatch::StayApart(const qcKnownStep& a, const qcKnownStep& b)
 
 void qcContactBatch::InvalidateShape(const btCollisionShape* shape)
 {
-    std::lock_guard<std::mutex> lock(m_mutex);
+    std::lock_guard<qcLoopMutex> lock(m_mutex);
     m_scene.InvalidateShape(shape);
     m_axes.InvalidateShape(shape);
     m_limiter.InvalidateShape(shape);
@@ -516,7 +528,7 @@ void qcContactBatch::Limit(btScalar timeStep)
 
 void qcContactBatch::LimitMotion(btScalar timeStep)
 {
-    std::lock_guard<std::mutex> lock(m_mutex);
+    std::lock_guard<qcLoopMutex> lock(m_mutex);
     std::vector<const btCollisionObject*> moved;
     if (m_isLimited)
         m_limiter.LimitAgain(
@@ -528,7 +540,7 @@ void qcContactBatch::LimitMotion(btScalar timeStep)
 
 void qcContactBatch::LimitFirst(btScalar timeStep)
 {
-    std::lock_guard<std::mutex> lock(m_mutex);
+    std::lock_guard<qcLoopMutex> lock(m_mutex);
     Limit(timeStep);
     m_isLimited = true;
 }
@@ -536,13 +548,13 @@ void qcContactBatch::LimitFirst(btScalar timeStep)
 void qcContactBatch::LimitAgain(btScalar timeStep, const std::vector<const btCollisionObject*>& held,
                                 const qcStartFunction& startOf, std::vector<const btCollisionObject*>* moved)
 {
-    std::lock_guard<std::mutex> lock(m_mutex);
+    std::lock_guard<qcLoopMutex> lock(m_mutex);
     m_limiter.LimitAgain(timeStep, held, startOf, moved, &statistics);
 }
 
 void qcContactBatch::Draw(btIDebugDraw* drawer, int modes)
 {
-    std::lock_guard<std::mutex> lock(m_mutex);
+    std::lock_guard<qcLoopMutex> lock(m_mutex);
     // The triangles of pairs that a plane separates are not queried before they are drawn.
     if (m_result != nullptr && m_planes.GetPairCount() > 0)
     {

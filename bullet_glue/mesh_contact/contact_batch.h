@@ -2,6 +2,7 @@
 #ifndef QC_GLUE_MESH_CONTACT_CONTACT_BATCH_H
 #define QC_GLUE_MESH_CONTACT_CONTACT_BATCH_H
 
+#include "common/loop_mutex.h"
 #include "common/rigid_limits.h"
 #include "mesh_contact/bounces.h"
 #include "mesh_contact/impact_sampling.h"
@@ -11,7 +12,6 @@
 #include "mesh_contact/scene/batch_validity.h"
 
 #include <atomic>
-#include <mutex>
 
 class btIDebugDraw;
 
@@ -107,7 +107,8 @@ class qcContactBatch : public qcRigidLimits, public qcKnownGaps
     std::vector<std::vector<qcMeshPoint>> m_points; ///< scratch, by worker
     const qcResult* m_result = nullptr;             ///< of the last batch; null: none, or it failed
     bool m_reportsCandidates = false;               ///< the last batch was to report candidate pairs
-    std::mutex m_mutex;
+    std::atomic<bool> m_isHelped{false}; ///< waiting threads run other tasks: no more loops on several threads
+    qcLoopMutex m_mutex;
 };
 
 /// Contact distance of two shapes: points that are farther beyond their margins are no contact.

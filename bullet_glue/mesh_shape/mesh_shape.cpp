@@ -2,7 +2,9 @@
 #include "quickcullide/bullet_mesh.h"
 
 #include "common/finite.h"
+#include "common/loop_mutex.h"
 #include "common/mass_properties.h"
+#include "common/parallel_loop.h"
 #include "common/support_mesh.h"
 #include "mesh_shape/convex_cast.h"
 #include "mesh_shape/serialize.h"
@@ -90,9 +92,16 @@ struct qcMeshShape::Implementation
     uint64_t revision = 0;
     mutable std::mutex supportMutex;
     mutable std::shared_ptr<const qcSupportMesh> support; ///< null: not built since the last change
-    mutable std::mutex treeMutex;
-    mutable std::unique_ptr<qcTriangleTree> treeOwner;
-    mutable std::atomic<const qcTriangleTree*> tree{nullptr};
+    mutable qcLoopMutex treeMutex;
+    mutable std::atomic<const qcTriangleTree*> tree{nullptr}; ///< owned; null: not built since the last change
+
+    Implementation() = default;
+    ~Implementation()
+    {
+        delete tree.load();
+    }
+    Implementation(const Implementation&) = delete;
+    Implementation& operator=(const Implementation&) = delete;
 
     void ReadPositions(const void* positions, qcPositionType type, size_t stride, uint32_t count);
     /// Empties the mesh and sets the status if an index is out of range or a position not finite.
@@ -143,8 +152,7 @@ void qcMeshShape::Implementation::Validate()
 void qcMeshShape::Implementation::Update()
 {
     revision = ++s_lastRevision;
-    tree = nullptr;
-    treeOwner.reset();
+    delete tree.exchange(nullptr);
     support.reset();
     lower = upper = indices.empty() ? btVector3(0, 0, 0) : points[indices[0]];
     for (uint32_t index : indices)
@@ -165,11 +173,19 @@ const qcTriangleTree& qcMeshShape::Implementation::GetTree() const
     const qcTriangleTree* built = tree.load(std::memory_order_acquire);
     if (built != nullptr)
         return *built;
-    std::lock_guard<std::mutex> lock(treeMutex);
-    if (!treeOwner)
-        treeOwner.reset(new qcTriangleTree(points.data(), indices.data(), uint32_t(indices.size() / 3)));
-    tree.store(treeOwner.get(), std::memory_order_release);
-    return *treeOwner;
+    // While this thread waits for the loops of a build, its scheduler has it run a task that needs the tree, too.
+    const bool isHeldHere = treeMutex.IsHeldHere();
+    std::unique_lock<qcLoopMutex> lock(treeMutex, std::defer_lock);
+    if (!isHeldHere)
+        lock.lock();
+    built = tree.load(std::memory_order_acquire);
+    if (built != nullptr)
+        return *built;
+    std::unique_ptr<const qcTriangleTree> made(new qcTriangleTree(
+        points.data(), indices.data(), uint32_t(indices.size() / 3), isHeldHere ? 1 : qcWorkersOf(0)));
+    if (tree.compare_exchange_strong(built, made.get(), std::memory_order_acq_rel))
+        return *made.release();
+    return *built;
 }
 
 void qcMeshShape::Implementation::Report(btTriangleCallback* callback, uint32_t triangle) const

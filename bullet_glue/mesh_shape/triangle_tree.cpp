@@ -67,11 +67,11 @@ void Sort(const Run& run, size_t width)
     Sort(second, width);
 }
 
-/// Divides a large run on all threads: those of each round are divided at the same time.
-void SortInParallel(const Run& run, size_t width)
+/// Divides a large run on several threads: those of each round are divided at the same time.
+void SortInParallel(const Run& run, size_t width, uint32_t threads)
 {
     std::vector<Run> runs = {run};
-    const uint32_t workers = run.Count() > s_minPerThread ? qcWorkersOf(0) : 1;
+    const uint32_t workers = run.Count() > s_minPerThread ? threads : 1;
     while (workers > 1 && runs.size() < s_runsPerWorker * workers && runs[0].Count() > s_minPerThread)
     {
         std::vector<Run> halves(2 * runs.size());
@@ -120,7 +120,8 @@ void qcTriangleTree::AddLevel()
     m_levels.push_back(level);
 }
 
-qcTriangleTree::qcTriangleTree(const btVector3* vertices, const uint32_t* indices, uint32_t triangleCount)
+qcTriangleTree::qcTriangleTree(const btVector3* vertices, const uint32_t* indices, uint32_t triangleCount,
+                               uint32_t workers)
 {
     if (triangleCount == 0)
         return;
@@ -135,7 +136,7 @@ qcTriangleTree::qcTriangleTree(const btVector3* vertices, const uint32_t* indice
     size_t unit = s_width;
     while (unit < triangleCount)
         unit *= s_width;
-    SortInParallel({centroids.data(), centroids.data() + triangleCount, unit}, s_width);
+    SortInParallel({centroids.data(), centroids.data() + triangleCount, unit}, s_width, workers);
     m_order.resize(triangleCount);
     m_levels.push_back({0, (triangleCount + s_width - 1) / s_width});
     m_blocks.resize(m_levels[0].count);

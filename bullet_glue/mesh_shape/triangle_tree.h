@@ -16,8 +16,8 @@
 class qcTriangleTree
 {
   public:
-    /// The arrays are needed during the call only.
-    qcTriangleTree(const btVector3* vertices, const uint32_t* indices, uint32_t triangleCount);
+    /// The arrays are needed during the call only. `workers`: threads that divide large trees.
+    qcTriangleTree(const btVector3* vertices, const uint32_t* indices, uint32_t triangleCount, uint32_t workers);
 
     /// Calls visit(triangle) for each triangle whose box overlaps the closed box.
     template <class Visit> void VisitBox(const btVector3& lower, const btVector3& upper, Visit visit) const

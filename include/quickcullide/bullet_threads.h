@@ -19,6 +19,11 @@
 /// numbers are not used. Such a Bullet (Debian's, for example) has no threads: btCreateDefaultTaskScheduler returns
 /// null, which leaves the library's own threads, and btGetSequentialTaskScheduler has one thread.
 ///
+/// A scheduler may have a thread that waits for a loop run other tasks. If the world's dispatcher has its pairs processed
+/// by such tasks, qcMeshContact notices it: pairs that it is handed during a query are queried alone, and from the next
+/// step on its loops run on the calling thread, as after setThreadCount(1). To keep them on all threads, let parallelFor
+/// run tasks of its own loop alone (tbb::this_task_arena::isolate).
+///
 /// qc_statusBadInput: the scheduler has no threads. Thread-safety: as qcSetParallelFor. Bullet's schedulers run one
 /// loop at a time: scenes used on several threads at once may run on one thread each.
 QC_API qcStatus qcSetTaskScheduler(btITaskScheduler* scheduler);

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -314,6 +315,110 @@ START_TEST(a_pile_in_an_mt_world_comes_to_rest)
 }
 END_TEST
 
+/// A job system whose waiting threads take other tasks, on one thread: a loop of the library first processes pairs that
+/// the dispatcher has not yet got to.
+struct Helping : btITaskScheduler
+{
+    std::function<bool()> takeOther;
+    int taken = 0;
+
+    Helping() : btITaskScheduler("helping")
+    {
+    }
+    int getMaxNumThreads() const override
+    {
+        return 2;
+    }
+    int getNumThreads() const override
+    {
+        return 2;
+    }
+    void setNumThreads(int /*count*/) override
+    {
+    }
+    void parallelFor(int begin, int end, int /*grain*/, const btIParallelForBody& body) override
+    {
+        while (takeOther && takeOther())
+            taken++;
+        body.forLoop(begin, end);
+    }
+    btScalar parallelSum(int /*begin*/, int /*end*/, int /*grain*/, const btIParallelSumBody& /*body*/) override
+    {
+        return 0;
+    }
+};
+
+/// Dispatches pairs as tasks of a job system.
+struct TaskDispatcher : btCollisionDispatcher
+{
+    Helping* scheduler;
+
+    TaskDispatcher(btCollisionConfiguration* configuration, Helping* helping)
+        : btCollisionDispatcher(configuration), scheduler(helping)
+    {
+    }
+
+    void dispatchAllCollisionPairs(btOverlappingPairCache* cache, const btDispatcherInfo& info, btDispatcher*) override
+    {
+        int next = 0;
+        scheduler->takeOther = [&]
+        {
+            const int pair = next++;
+            if (pair < cache->getNumOverlappingPairs())
+                getNearCallback()(cache->getOverlappingPairArrayPtr()[pair], *this, info);
+            return pair < cache->getNumOverlappingPairs();
+        };
+        while (scheduler->takeOther())
+            continue;
+        scheduler->takeOther = nullptr;
+    }
+};
+
+START_TEST(threads_that_wait_for_a_query_may_process_other_pairs)
+{
+    Helping scheduler;
+    ck_assert_int_eq(qcSetTaskScheduler(&scheduler), qc_statusOk);
+    {
+        btDefaultCollisionConfiguration configuration;
+        TaskDispatcher dispatcher(&configuration, &scheduler);
+        qcBroadphase broadphase;
+        btSequentialImpulseConstraintSolver solver;
+        qcMeshContact contact;
+        btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+        contact.addTo(&world);
+        const std::unique_ptr<qcMeshShape> floor = qcFloorModel(9, 20).MakeShape();
+        const std::unique_ptr<qcMeshShape> crate =
+            qcBoxModel(btVector3(btScalar(0.4), btScalar(0.4), btScalar(0.4)), 2).MakeShape();
+        btSphereShape ball(btScalar(0.4));
+        std::vector<std::unique_ptr<btRigidBody>> bodies;
+        auto add = [&](btCollisionShape* shape, btScalar mass, const btVector3& at)
+        {
+            btVector3 inertia(0, 0, 0);
+            if (mass > 0)
+                shape->calculateLocalInertia(mass, inertia);
+            bodies.push_back(std::make_unique<btRigidBody>(mass, nullptr, shape, inertia));
+            bodies.back()->setWorldTransform(btTransform(btQuaternion::getIdentity(), at));
+            world.addRigidBody(bodies.back().get());
+        };
+        add(floor.get(), 0, btVector3(0, 0, 0));
+        for (int i = 0; i < 100; i++)
+            add(i % 5 == 0 ? static_cast<btCollisionShape*>(&ball) : crate.get(), 1,
+                btVector3(btScalar(i % 10) - btScalar(4.5), btScalar(0.45), btScalar(i / 10) - btScalar(4.5)));
+        for (int step = 0; step < 60; step++)
+        {
+            world.stepSimulation(btScalar(1.0 / 60), 0);
+            ck_assert_int_eq(contact.getStatistics().status, qc_statusOk);
+        }
+        ck_assert_int_gt(scheduler.taken, 10);
+        for (size_t i = 1; i < bodies.size(); i++)
+            ck_assert_double_gt(double(bodies[i]->getWorldTransform().getOrigin().y()), 0.35);
+        for (const auto& body : bodies)
+            world.removeRigidBody(body.get());
+    }
+    ck_assert_int_eq(qcSetTaskScheduler(nullptr), qc_statusOk);
+}
+END_TEST
+
 START_TEST(an_mt_world_moves_twice_in_the_same_way)
 {
     World first(Kind::mt), second(Kind::mt);
@@ -329,4 +434,4 @@ END_TEST
 
 QC_RUN_TESTS("meshes on threads", contacts_on_several_threads_and_in_an_mt_world_are_those_of_a_plain_one,
              a_pile_falls_with_any_dispatcher_as_with_the_plain_one, a_pile_in_an_mt_world_comes_to_rest,
-             an_mt_world_moves_twice_in_the_same_way)
+             threads_that_wait_for_a_query_may_process_other_pairs, an_mt_world_moves_twice_in_the_same_way)
