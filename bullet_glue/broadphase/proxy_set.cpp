@@ -136,8 +136,8 @@ void qcProxySet::Free(qcProxy* proxy)
 
 void qcProxySet::Reset()
 {
+    // Ids go on: those of proxies that are gone may still be keys of what is known of their objects.
     qcBoxes_Clear(m_boxes);
-    m_uniqueIds.Reset();
 }
 
 //  ---- boxes -----------------------------------------------------------------------------------------

@@ -34,7 +34,7 @@ class qcProxySet
     void Pend(qcProxy* proxy);
     /// Removes a proxy from those with pending changes and returns it. Null: none is left.
     qcProxy* TakePending();
-    /// Clears the set of boxes and restarts the ids. Call it only without proxies.
+    /// Clears the set of boxes. Call it only without proxies.
     void Reset();
 
     /// Marks the proxy: the next search queries all its pairs again.

@@ -15,12 +15,6 @@ class qcIdCounter
     explicit qcIdCounter(uint32_t max = UINT32_MAX) : m_max(std::min(max, s_max))
     {
     }
-    /// All numbers are unused.
-    void Reset()
-    {
-        m_last = 0;
-        m_inUse.clear();
-    }
     /// The next number. After the largest one they start again from 1, without those in use: `visit(add)` then calls
     /// add(number) for each of these, and 0 for objects that have none yet. O(1), but for that. std::bad_alloc leaves
     /// the counter as it was.

@@ -8,7 +8,7 @@
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 
 /// The id of the object's proxy: a new one each time it is added to a world, so that a new object at an old address has
-/// another id. -1 for an object in no world.
+/// another id. Some of Bullet's broadphases use ids again: see qcMeshContact. -1 for an object in no world.
 inline int qcUniqueIdOf(const btCollisionObject* object)
 {
     const btBroadphaseProxy* proxy = object->getBroadphaseHandle();

@@ -19,7 +19,7 @@
 
 namespace
 {
-// Of two compounds.
+// Pairs of children of two compounds.
 constexpr int64_t s_maxChildPairs = 4096;
 
 bool HoldsMesh(const btCollisionShape* shape)

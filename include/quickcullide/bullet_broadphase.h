@@ -86,8 +86,9 @@ class QC_API qcBroadphase : public btBroadphaseInterface
 
     /// The smallest box around all proxies; zeros if there are none.
     void getBroadphaseAabb(btVector3& aabbMin, btVector3& aabbMax) const override;
-    /// If there are no proxies, unique ids start again: the same calls then give the same results as on a new
-    /// broadphase. Otherwise nothing happens.
+    /// If there are no proxies, the same calls then give the same pairs in the same order as on a new broadphase.
+    /// Unique ids go on: an object that is added again counts as a new one, which has not moved from its last place.
+    /// With proxies nothing happens.
     void resetPool(btDispatcher* dispatcher) override;
     /// Prints the numbers of proxies and pairs.
     void printStats() override;

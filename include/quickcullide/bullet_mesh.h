@@ -227,7 +227,9 @@ struct qcMeshContactStatistics
 /// those that penetrate are exempt. After Bullet has integrated the transforms, in an action of the world, bodies whose
 /// motions are not proven apart are pushed apart or cut back. Static and kinematic objects are not; `unproven` counts
 /// pairs that they press together. A kinematic body moves to where the application sets its transform, and takes along
-/// what is between; one that is put elsewhere needs setInterpolationWorldTransform, too. The triangles of a static or
+/// what is between; one that is put elsewhere needs setInterpolationWorldTransform, too. One that is removed and added
+/// again starts where it is, if its proxy has a new unique id, as with qcBroadphase. Bullet's btDbvtBroadphase uses ids
+/// again after resetPool, its other broadphases at once: let a step run in between. The triangles of a static or
 /// kinematic mesh that the application moves, by updateShape or by another qcMeshShape of the same triangles, likewise
 /// take along what is between; a mesh with a vertex that moves further than half of its diagonal is put elsewhere.
 /// Convex shapes, in compounds too, and qcMeshShapes don't pass each other either: where they move against each other

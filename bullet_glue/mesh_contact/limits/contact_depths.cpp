@@ -64,7 +64,7 @@ void qcContactDepths::Add(const btCollisionObject* object, btScalar depth, btSca
 
 void qcContactDepths::Read(btDispatcher* dispatcher, btScalar timeStep)
 {
-    m_entries.clear();
+    Clear();
     for (int i = 0; i < dispatcher->getNumManifolds(); i++)
     {
         const btPersistentManifold& manifold = *dispatcher->getManifoldByIndexInternal(i);

@@ -15,7 +15,13 @@ class btPersistentManifold;
 class qcContactDepths
 {
   public:
-    /// Reads all manifolds of awake objects that respond to each other. O(manifolds).
+    /// All depths are 0.
+    void Clear()
+    {
+        m_entries.clear();
+    }
+    /// Reads all manifolds of awake objects that respond to each other. Call it before the contacts of soft bodies are
+    /// published: their manifolds stay when an action removes a body. O(manifolds).
     void Read(btDispatcher* dispatcher, btScalar timeStep);
     /// The largest depth of an object in another one; 0 if it is small.
     btScalar DepthOf(const btCollisionObject* object) const;

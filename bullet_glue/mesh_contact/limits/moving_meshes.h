@@ -25,8 +25,9 @@ class qcMovingMeshes
     btScalar LargestTravelIn(const btVector3& lower, const btVector3& upper) const;
 
   private:
-    std::vector<const qcSweptObject*> m_sorted; ///< by the lower ends of their boxes along x
-    btScalar m_widest = 0;                      ///< the largest extent of these along x
+    std::vector<const qcSweptObject*> m_sorted; ///< by the lower ends of their boxes along m_axis
+    int m_axis = 0;                             ///< see qcAxisOfSpread
+    btScalar m_widest = 0;                      ///< the largest extent of these along m_axis
 };
 
 #endif

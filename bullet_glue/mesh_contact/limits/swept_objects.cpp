@@ -301,7 +301,7 @@ void qcSweptObjects::Hold(const btCollisionObject* object)
 bool qcSweptObjects::ReadTargets(const qcStartFunction& startOf, qcScene* scene)
 {
     m_multibodies.ForAll(&qcSweptMultiBody::ReadTarget);
-    const bool anyMoved = ReadObjects(scene);
+    const bool anyMoved = ReadObjects(false, scene);
     // Convex shapes that soft bodies have made fast have not been read before in this step.
     for (qcSweptObject* swept : m_sorted)
         if (swept->isNew && swept->cores != nullptr && swept->body != nullptr)
@@ -313,7 +313,8 @@ bool qcSweptObjects::ReadTargets(const qcStartFunction& startOf, qcScene* scene)
     return anyMoved;
 }
 
-bool qcSweptObjects::ReadObjects(qcScene* scene)
+/// `readsDepths`: otherwise those of the step's motions count.
+bool qcSweptObjects::ReadObjects(bool readsDepths, qcScene* scene)
 {
     m_step++;
     m_axes.BeginObjects();
@@ -347,7 +348,7 @@ bool qcSweptObjects::ReadObjects(qcScene* scene)
     m_resting.WakeGone(&m_sorted);
     m_anyOurs = m_anyOurs || m_resting.AnyOurs();
     m_movingMeshes.Sort();
-    if (m_anyOurs)
+    if (m_anyOurs && readsDepths)
         m_depths.Read(m_settings.world->getDispatcher(), m_timeStep);
     for (int i = 0; m_anyOurs && i < objects.size(); i++)
         if (qcIsFinite(*objects[i]) && TakesCores(objects[i]))
@@ -391,7 +392,8 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
         anyMesh = qcMayHoldMeshes(objects[i]->getCollisionShape());
     m_multibodies.ReadMotions(timeStep, anyMesh);
     m_findsStarts = !m_starts.AreMarked();
-    ReadObjects(scene);
+    m_depths.Clear();
+    ReadObjects(true, scene);
     m_findsStarts = false;
     for (qcSweptObject* swept : m_sorted)
         m_starts.Find(timeStep, swept);

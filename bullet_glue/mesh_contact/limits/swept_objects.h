@@ -80,7 +80,7 @@ class qcSweptObjects
     bool MayPass(const btCollisionObject* object, btScalar halfWidth) const;
     bool TakesCores(const btCollisionObject* object);
     qcSweptObject& ReadTarget(btCollisionObject* object, bool takesCores, qcScene* scene);
-    bool ReadObjects(qcScene* scene);
+    bool ReadObjects(bool readsDepths, qcScene* scene);
     void WakeNearMoving(qcScene* scene);
     void LetRest();
 

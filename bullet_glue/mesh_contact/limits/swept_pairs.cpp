@@ -1,11 +1,13 @@
 // The pairs of objects whose motions in a step may meet.
 #include "mesh_contact/limits/swept_pairs.h"
 
+#include "mesh_contact/limits/box_sweep.h"
+
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 #include <LinearMath/btAabbUtil2.h>
 
-#include <algorithm>
+#include <utility>
 
 namespace
 {
@@ -43,37 +45,16 @@ void qcFindSweptPairs(btCollisionWorld* world, const std::vector<qcSweptObject*>
                       std::vector<qcSweptPair>* pairs)
 {
     pairs->clear();
-    std::vector<qcSweptObject*> byLower = objects;
-    std::sort(byLower.begin(), byLower.end(),
-              [](const qcSweptObject* a, const qcSweptObject* b)
-              { return std::make_pair(a->lower.x(), a->number) < std::make_pair(b->lower.x(), b->number); });
     auto add = [world, pairs](qcSweptObject* a, qcSweptObject* b)
     {
         if (a->number > b->number)
             std::swap(a, b);
-        if ((a->isOurs || b->isOurs) && !(a->isUnmoved && b->isUnmoved) &&
-            TestAabbAgainstAabb2(a->lower, a->upper, b->lower, b->upper) && Collide(world, *a, *b))
+        if (!(a->isUnmoved && b->isUnmoved) && TestAabbAgainstAabb2(a->lower, a->upper, b->lower, b->upper) &&
+            Collide(world, *a, *b))
         {
             a->isPaired = b->isPaired = true;
             pairs->emplace_back(a, b);
         }
     };
-    // Objects that move are compared with all that follow them, others with those of these that move.
-    std::vector<size_t> moving;
-    for (size_t i = 0; i < byLower.size(); i++)
-        if (byLower[i]->moves)
-            moving.push_back(i);
-    size_t next = 0;
-    for (size_t i = 0; i < byLower.size() && !moving.empty(); i++)
-    {
-        qcSweptObject* first = byLower[i];
-        for (; next < moving.size() && moving[next] <= i; next++)
-            ;
-        if (first->moves)
-            for (size_t j = i + 1; j < byLower.size() && byLower[j]->lower.x() <= first->upper.x(); j++)
-                add(first, byLower[j]);
-        else
-            for (size_t k = next; k < moving.size() && byLower[moving[k]]->lower.x() <= first->upper.x(); k++)
-                add(first, byLower[moving[k]]);
-    }
+    qcSweepBoxes(objects, add);
 }

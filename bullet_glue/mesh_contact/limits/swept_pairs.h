@@ -5,7 +5,7 @@
 #include "mesh_contact/limits/swept_object.h"
 
 /// Finds the pairs whose boxes overlap and that collide; at least one of the two moves, and one is not isUnmoved. Marks
-/// their objects as paired. O(n log n) and the overlaps along x.
+/// their objects as paired. The order of pairs is not determined. O(n log n) and what qcSweepBoxes visits.
 void qcFindSweptPairs(btCollisionWorld* world, const std::vector<qcSweptObject*>& objects,
                       std::vector<qcSweptPair>* pairs);
 

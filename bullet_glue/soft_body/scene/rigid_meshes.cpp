@@ -127,11 +127,12 @@ void qcRigidMeshes::InvalidateShape(const btCollisionShape* shape)
 /// The object as it was in the previous step; null: not known.
 qcSceneRigid* qcRigidMeshes::FindLast(const btCollisionObject* object) const
 {
-    for (const auto* known : {&m_rigids, &m_away})
-        for (const std::unique_ptr<qcSceneRigid>& last : *known)
-            if (last && last->object == object && last->uniqueId == qcUniqueIdOf(object))
-                return last.get();
-    return nullptr;
+    const qcObjectKey key(object);
+    auto isAny = [](const qcSceneRigid&) { return true; };
+    const std::unique_ptr<qcSceneRigid>* last = m_rigidIndex.Find(m_rigids, key, isAny);
+    if (last == nullptr)
+        last = m_awayIndex.Find(m_away, key, isAny);
+    return last != nullptr ? last->get() : nullptr;
 }
 
 /// True if the object is known with other triangles. `box` receives the lower and upper corner of the box around their
@@ -167,16 +168,15 @@ void qcRigidMeshes::ForEachPlaced(const qcBroadphases& broadphases, const qcObje
 /// Adds overlaps of objects whose triangles have passed boxes of soft bodies since the previous step.
 void qcRigidMeshes::AddReshaped()
 {
-    const size_t count = m_overlaps.All().size();
+    std::vector<qcRigidOverlap> added;
     for (btCollisionObject* object : m_reshaped.Objects())
     {
         btVector3 motion[2];
         if (!m_overlaps.Has(object) && IsReshaped(object, motion) && m_overlaps.IsNear(motion))
-            m_overlaps.Add({object, true, {motion[0], motion[1]}});
+            added.push_back({object, true, {motion[0], motion[1]}});
     }
     m_overlaps.ForgetBoxes();
-    if (m_overlaps.All().size() > count)
-        m_overlaps.Merge();
+    m_overlaps.Add(added);
 }
 
 /// Keeps the meshes of objects whose triangles the application moves and that are near no soft body. Contacts may move
@@ -191,12 +191,8 @@ void qcRigidMeshes::KeepReshaped()
         const btBroadphaseProxy* proxy = object->getBroadphaseHandle();
         const qcRigidOverlap overlap{object, true, {proxy->m_aabbMin, proxy->m_aabbMax}};
         std::unique_ptr<qcSceneRigid> rigid = qcRigidShapes::MakeRigid(overlap);
-        auto isSame = [&](const std::unique_ptr<qcSceneRigid>& last) {
-            return last && last->object == object && last->uniqueId == rigid->uniqueId &&
-                   AreSame(last->shapes, rigid->shapes);
-        };
-        auto last = std::find_if(m_away.begin(), m_away.end(), isSame);
-        if (last != m_away.end())
+        auto isSame = [&](const qcSceneRigid& last) { return AreSame(last.shapes, rigid->shapes); };
+        if (auto* last = m_awayIndex.Find(m_away, qcObjectKey(object), isSame))
         {
             rigid = std::move(*last);
             for (qcSceneMesh& mesh : rigid->meshes)
@@ -211,6 +207,7 @@ void qcRigidMeshes::KeepReshaped()
         away.push_back(std::move(rigid));
     }
     m_away.swap(away);
+    m_awayIndex.Build(m_away);
 }
 
 bool qcRigidMeshes::FindTransform(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTransform* transform) const
@@ -236,14 +233,11 @@ std::vector<std::unique_ptr<qcSceneRigid>> qcRigidMeshes::TakeTracked()
         std::unique_ptr<qcSceneRigid> rigid = qcRigidShapes::MakeRigid(overlap);
         if (rigid->shapes.empty())
             continue;
-        auto isSame = [&](const std::unique_ptr<qcSceneRigid>& other)
-        {
-            return other && other->object == rigid->object && other->uniqueId == rigid->uniqueId &&
-                   AreSame(other->shapes, rigid->shapes) && m_shapes.Cover(*other, overlap);
-        };
-        auto found = std::find_if(m_rigids.begin(), m_rigids.end(), isSame);
+        auto isSame = [&](const qcSceneRigid& other)
+        { return AreSame(other.shapes, rigid->shapes) && m_shapes.Cover(other, overlap); };
+        auto* found = m_rigidIndex.Find(m_rigids, qcObjectKey(overlap.object), isSame);
         bool isReshaped = false;
-        if (found != m_rigids.end() && (*found)->Rest())
+        if (found != nullptr && (*found)->Rest())
             rigid = std::move(*found);
         else
         {
@@ -309,8 +303,9 @@ qcStatus qcRigidMeshes::Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigi
     return status;
 }
 
-void qcRigidMeshes::IndexSlots()
+void qcRigidMeshes::Index()
 {
+    m_rigidIndex.Build(m_rigids);
     m_meshOfSlot.clear();
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
         for (size_t i = 0; i < rigid->meshes.size(); i++)
@@ -334,7 +329,7 @@ qcStatus qcRigidMeshes::Sync(qcScene* scene)
     qcStatus status = qc_statusOk;
     for (std::unique_ptr<qcSceneRigid>& rigid : rigids)
         status = qcFirstError(status, Track(scene, std::move(rigid)));
-    IndexSlots();
+    Index();
     return status;
 }
 
@@ -353,19 +348,18 @@ qcStatus qcRigidMeshes::Extend(qcScene* scene, bool* added)
     m_overlaps.AddLinks();
     for (const qcRigidOverlap& overlap : m_overlaps.All())
     {
+        const qcObjectKey key(overlap.object);
         // An object that contacts move is in the scene once.
-        auto isThere = [&](const std::unique_ptr<qcSceneRigid>& rigid)
+        auto isThere = [&](const qcSceneRigid& rigid)
         {
-            bool hasAll = rigid->withSurfaces >= overlap.withSurfaces && m_shapes.Cover(*rigid, overlap);
-            return rigid->object == overlap.object && (hasAll || rigid->CanMove());
+            bool hasAll = rigid.withSurfaces >= overlap.withSurfaces && m_shapes.Cover(rigid, overlap);
+            return hasAll || rigid.CanMove();
         };
-        if (std::any_of(m_rigids.begin(), m_rigids.end(), isThere))
+        if (m_rigidIndex.Find(m_rigids, key, isThere) != nullptr)
             continue;
-        auto isAway = [&](const std::unique_ptr<qcSceneRigid>& away)
-        { return away && away->object == overlap.object && away->withSurfaces == overlap.withSurfaces; };
-        auto away = std::find_if(m_away.begin(), m_away.end(), isAway);
-        std::unique_ptr<qcSceneRigid> rigid =
-            away != m_away.end() ? std::move(*away) : qcRigidShapes::MakeRigid(overlap);
+        auto isAway = [&](const qcSceneRigid& away) { return away.withSurfaces == overlap.withSurfaces; };
+        auto* away = m_awayIndex.Find(m_away, key, isAway);
+        std::unique_ptr<qcSceneRigid> rigid = away != nullptr ? std::move(*away) : qcRigidShapes::MakeRigid(overlap);
         if (rigid->meshes.empty())
             m_shapes.FindMeshes(rigid.get(), overlap);
         if (rigid->meshes.empty() || status != qc_statusOk)
@@ -375,7 +369,7 @@ qcStatus qcRigidMeshes::Extend(qcScene* scene, bool* added)
     }
     m_overlaps.Clear();
     if (*added)
-        IndexSlots();
+        Index();
     return status;
 }
 

@@ -6,6 +6,7 @@
 #include "soft_body/scene/lone_bodies.h"
 #include "soft_body/scene/object_starts.h"
 #include "soft_body/scene/reshaped_objects.h"
+#include "soft_body/scene/rigid_index.h"
 #include "soft_body/scene/rigid_overlaps.h"
 #include "soft_body/scene/rigid_shapes.h"
 #include "soft_body/scene/scene_rigid.h"
@@ -103,7 +104,7 @@ class qcRigidMeshes
     std::vector<std::unique_ptr<qcSceneRigid>> TakeTracked();
     void FindMultiBody(qcSceneRigid* rigid);
     qcStatus Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid);
-    void IndexSlots();
+    void Index();
     void RecordEnds();
 
     btScalar m_timeStep = 0;
@@ -115,6 +116,7 @@ class qcRigidMeshes
     std::vector<std::unique_ptr<qcSceneRigid>> m_away;
     /// By unique id, in the order in which they were added; then those of Extend.
     std::vector<std::unique_ptr<qcSceneRigid>> m_rigids;
+    qcRigidIndex m_rigidIndex, m_awayIndex;
     std::vector<std::pair<qcSceneRigid*, size_t>> m_meshOfSlot;
     std::vector<std::unique_ptr<qcMultiBodyMotion>> m_multibodies;         ///< that have links among the objects
     std::unordered_map<const btMultiBody*, qcJointPositions> m_beginnings; ///< of the step, of all multibodies

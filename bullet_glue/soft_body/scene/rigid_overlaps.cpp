@@ -12,6 +12,7 @@
 #include <LinearMath/btAabbUtil2.h>
 
 #include <algorithm>
+#include <unordered_set>
 
 namespace
 {
@@ -92,29 +93,41 @@ bool qcRigidOverlaps::IsNear(const btVector3 box[2]) const
 
 bool qcRigidOverlaps::Has(const btCollisionObject* object) const
 {
-    return std::any_of(m_overlaps.begin(), m_overlaps.end(),
-                       [object](const qcRigidOverlap& overlap) { return overlap.object == object; });
+    const int id = qcUniqueIdOf(object);
+    auto isBefore = [](const qcRigidOverlap& overlap, int other) { return qcUniqueIdOf(overlap.object) < other; };
+    auto overlap = std::lower_bound(m_overlaps.begin(), m_overlaps.end(), id, isBefore);
+    while (overlap != m_overlaps.end() && overlap->object != object && qcUniqueIdOf(overlap->object) == id)
+        ++overlap;
+    return overlap != m_overlaps.end() && overlap->object == object;
+}
+
+void qcRigidOverlaps::Add(const std::vector<qcRigidOverlap>& overlaps)
+{
+    if (overlaps.empty())
+        return;
+    m_overlaps.insert(m_overlaps.end(), overlaps.begin(), overlaps.end());
+    Merge();
 }
 
 void qcRigidOverlaps::AddLinks()
 {
-    const size_t count = m_overlaps.size();
-    for (size_t i = 0; i < count; i++)
+    std::vector<qcRigidOverlap> added;
+    std::unordered_set<const btCollisionObject*> others;
+    for (const qcRigidOverlap& overlap : m_overlaps)
     {
-        const btMultiBodyLinkCollider* link = qcAsLink(m_overlaps[i].object);
+        const btMultiBodyLinkCollider* link = qcAsLink(overlap.object);
         for (int k = -1; link != nullptr && k < link->m_multiBody->getNumLinks(); k++)
         {
             btMultiBody& multibody = *link->m_multiBody;
             btMultiBodyLinkCollider* other = k < 0 ? multibody.getBaseCollider() : multibody.getLinkCollider(k);
             if (other != nullptr && other->getBroadphaseHandle() != nullptr &&
-                MayHaveMeshes(other, m_overlaps[i].withSurfaces) && qcIsFinite(*other) && !Has(other))
+                MayHaveMeshes(other, overlap.withSurfaces) && qcIsFinite(*other) && !Has(other) &&
+                others.insert(other).second)
             {
-                qcRigidOverlap overlap = m_overlaps[i];
-                overlap.object = other;
-                m_overlaps.push_back(overlap);
+                added.push_back(overlap);
+                added.back().object = other;
             }
         }
     }
-    if (m_overlaps.size() > count)
-        Merge();
+    Add(added);
 }

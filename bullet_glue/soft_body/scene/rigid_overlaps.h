@@ -35,11 +35,9 @@ class qcRigidOverlaps
     {
         m_boxes.clear();
     }
-    void Add(const qcRigidOverlap& overlap)
-    {
-        m_overlaps.push_back(overlap);
-    }
-    /// True if there is one of the object.
+    /// Adds overlaps of other objects, merged.
+    void Add(const std::vector<qcRigidOverlap>& overlaps);
+    /// True if there is one of the object. Call it only while they are merged. O(log n).
     bool Has(const btCollisionObject* object) const;
     /// Leaves one overlap for each object, in the order in which they were added to the world.
     void Merge();

@@ -98,6 +98,7 @@ qcStatus qcSoftBodyScene::ReadSolved(btScalar timeStep, const qcRigidLimits* lim
         if (tracked.hasSolvedBox)
             CollectMeshes(tracked, tracked.solvedBox);
     }
+    IndexPositions();
     const qcStatus status = meshes.Sync(m_scene);
     for (qcSceneSoftBody& tracked : m_bodies)
         TieAnchored(tracked);
@@ -394,13 +395,28 @@ qcStatus qcSoftBodyScene::DetectPenetrating(const BodyPairTest& isApart, const q
 
 qcSceneSoftBody* qcSoftBodyScene::OwnerOf(const btVector3* position, uint32_t* node)
 {
-    for (qcSceneSoftBody& soft : m_bodies)
-        if (position >= soft.positions.data() && position < soft.positions.data() + soft.positions.size())
-        {
-            *node = uint32_t(position - soft.positions.data());
-            return &soft;
-        }
-    return nullptr;
+    auto isBefore = [](const btVector3* at, const FirstPosition& first)
+    { return std::less<const btVector3*>()(at, first.position); };
+    const auto next = std::upper_bound(m_firstPositions.begin(), m_firstPositions.end(), position, isBefore);
+    if (next == m_firstPositions.begin())
+        return nullptr;
+    qcSceneSoftBody& soft = m_bodies[std::prev(next)->body];
+    const ptrdiff_t index = position - soft.positions.data();
+    if (index >= ptrdiff_t(soft.positions.size()))
+        return nullptr;
+    *node = uint32_t(index);
+    return &soft;
+}
+
+void qcSoftBodyScene::IndexPositions()
+{
+    m_firstPositions.clear();
+    for (size_t i = 0; i < m_bodies.size(); i++)
+        if (!m_bodies[i].positions.empty())
+            m_firstPositions.push_back({m_bodies[i].positions.data(), i});
+    std::sort(m_firstPositions.begin(), m_firstPositions.end(),
+              [](const FirstPosition& a, const FirstPosition& b)
+              { return std::less<const btVector3*>()(a.position, b.position); });
 }
 
 qcSceneSoftBody* qcSoftBodyScene::Find(uint32_t slot)

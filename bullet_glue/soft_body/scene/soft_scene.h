@@ -66,7 +66,8 @@ class qcSoftBodyScene
 
     /// The soft body of a slot, or null.
     qcSceneSoftBody* Find(uint32_t slot);
-    /// The soft body that has a position among its `positions`, and the index of its node. Null: none.
+    /// The soft body that has a position among its `positions`, and the index of its node. Null: none. Call it after
+    /// ReadSolved. O(log bodies).
     qcSceneSoftBody* OwnerOf(const btVector3* position, uint32_t* node);
     std::vector<qcSceneSoftBody>& Bodies()
     {
@@ -95,6 +96,13 @@ class qcSoftBodyScene
         qcSoftBodySettings settings;
     };
 
+    /// Where the `positions` of a body begin.
+    struct FirstPosition
+    {
+        const btVector3* position;
+        size_t body; ///< its index
+    };
+
     void WakeSwept(const btAlignedObjectArray<btSoftBody*>& bodies, const qcBroadphases& broadphases);
     qcStatus CreateScene();
     qcBodyDef DefOf(const btSoftBody* body) const;
@@ -115,6 +123,7 @@ class qcSoftBodyScene
     qcStatus FollowMotions(bool* added);
     void AddMotionBox(qcSceneSoftBody& tracked, btScalar reach);
     void FindPartners(bool mayLeaveOut);
+    void IndexPositions();
     bool FindLone(bool starts);
     bool AreAllAlone() const;
     qcStatus MarkStarts(bool areThere);
@@ -127,6 +136,7 @@ class qcSoftBodyScene
     qcScene* m_scene = nullptr;
     std::vector<qcSceneSoftBody> m_bodies;
     std::vector<size_t> m_bodyOfSlot;
+    std::vector<FirstPosition> m_firstPositions; ///< sorted, by address
     std::map<const btSoftBody*, Setting> m_settings;
     std::vector<qcBodyId> m_leftOutWithin; ///< scratch of RunWithout
     qcMotionBoxes m_boxes;                 ///< scratch of FindPartners

@@ -169,6 +169,36 @@ START_TEST(a_new_origin_of_the_world_moves_nothing_in_it)
     }
 }
 END_TEST
+
+/// Static and kinematic plates. An application may reset the broadphase between two levels of a game.
+START_TEST(what_is_added_again_elsewhere_after_a_reset_sweeps_over_nothing)
+{
+    const btVector3 plateHalf(btScalar(0.05), 2, 2), boxHalf(btScalar(0.2), btScalar(0.2), btScalar(0.2));
+    qcMeshWorld world;
+    world.Add(world.Keep(qcBoxModel(btVector3(5, btScalar(0.5), 5), 1).MakeShape()), 0,
+              btVector3(0, btScalar(-0.5), 0));
+    btRigidBody* plate =
+        world.Add(world.Keep(qcBoxModel(plateHalf, 1).MakeShape()), 0, btVector3(-1, btScalar(2.1), 0));
+    if (_i > 0)
+    {
+        plate->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+        plate->setActivationState(DISABLE_DEACTIVATION);
+    }
+    btRigidBody* box = world.Add(world.Keep(qcBoxModel(boxHalf, 1).MakeShape()), 1, btVector3(0, btScalar(0.22), 0));
+    world.Step(30);
+    for (auto& body : world.bodies)
+        world.world.removeRigidBody(body.get());
+    world.broadphase.resetPool(&world.dispatcher);
+    MoveBy(plate, btVector3(2, 0, 0));
+    for (auto& body : world.bodies)
+        world.world.addRigidBody(body.get());
+    world.Step(10);
+    ck_assert_double_eq_tol(double(box->getWorldTransform().getOrigin().x()), 0, 1e-3);
+    MoveBy(plate, btVector3(-2, 0, 0));
+    world.Step(10);
+    ck_assert_double_lt(double(box->getWorldTransform().getOrigin().x()), -1);
+}
+END_TEST
 } // namespace
 
 QC_TEST_MAIN()
@@ -178,5 +208,6 @@ QC_TEST_MAIN()
     tcase_add_loop_test(tests, fast_convex_shapes_pass_no_mesh_where_a_character_walks, 0, order_kinds);
     tcase_add_test(tests, what_is_put_behind_a_wall_is_there_after_a_query_with_a_compound);
     tcase_add_loop_test(tests, a_new_origin_of_the_world_moves_nothing_in_it, 0, 4);
+    tcase_add_loop_test(tests, what_is_added_again_elsewhere_after_a_reset_sweeps_over_nothing, 0, 2);
     return qcRunCase("mesh_starts", tests);
 }

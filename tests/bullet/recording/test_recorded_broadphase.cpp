@@ -141,6 +141,30 @@ START_TEST(a_recording_that_starts_late_begins_with_the_present_boxes)
 }
 END_TEST
 
+START_TEST(a_broadphase_that_is_reset_in_between_replays)
+{
+    EnterFolder();
+    qcRandom random = {5};
+    SaltedFilter filter;
+    qcBroadphaseModel model;
+    ck_assert_int_eq(model.broadphase.record("a.qcr"), qc_statusOk);
+    for (int i = 0; i < 20; i++)
+    {
+        Step(model, &random, {}, &filter);
+        if (i % 7 != 6)
+            continue;
+        while (!model.proxies.empty())
+            model.Destroy(model.proxies.size() - 1);
+        model.broadphase.resetPool(&model.dispatcher);
+    }
+    ck_assert_int_eq(model.broadphase.record(nullptr), qc_statusOk);
+    model.cache->setOverlapFilterCallback(nullptr);
+    CheckReplay("recorded", "\n60 results are the recorded ones, 0 differ");
+    CheckReplay("brute", "\n60 results are the recorded ones, 0 differ");
+    LeaveFolder();
+}
+END_TEST
+
 START_TEST(a_broadphase_goes_on_where_its_recording_cannot)
 {
     qcBroadphaseModel model;
@@ -206,6 +230,6 @@ START_TEST(the_other_precision_is_refused_with_the_programs_name)
 END_TEST
 
 QC_RUN_TESTS("recorded_broadphase", a_recording_from_the_start_replays_to_the_last_box,
-             a_recording_that_starts_late_begins_with_the_present_boxes,
+             a_recording_that_starts_late_begins_with_the_present_boxes, a_broadphase_that_is_reset_in_between_replays,
              a_broadphase_goes_on_where_its_recording_cannot, queries_on_several_threads_are_all_recorded,
              the_other_precision_is_refused_with_the_programs_name)

@@ -11,10 +11,10 @@
 #include <vector>
 
 /// A deformable world: qcDeformableWorld, or Bullet's own. It removes and deletes the soft bodies in its list.
-template <class DeformableWorld> struct qcDeformableTestWorld
+template <class DeformableWorld, class Dispatcher = btCollisionDispatcher> struct qcDeformableTestWorld
 {
     btSoftBodyRigidBodyCollisionConfiguration configuration;
-    btCollisionDispatcher dispatcher{&configuration};
+    Dispatcher dispatcher{&configuration};
     qcBroadphase broadphase;
     btDeformableBodySolver deformableSolver;
     btDeformableMultiBodyConstraintSolver solver;

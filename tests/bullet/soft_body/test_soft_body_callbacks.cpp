@@ -448,6 +448,80 @@ START_TEST(contacts_of_deformable_bodies_start_once_and_end_once)
     Hush();
 }
 END_TEST
+
+/// Counts the calls for a body.
+struct CountingDispatcher : btCollisionDispatcher
+{
+    using btCollisionDispatcher::btCollisionDispatcher;
+    const btCollisionObject* counted = nullptr;
+    int calls = 0;
+
+    bool needsResponse(const btCollisionObject* a, const btCollisionObject* b) override
+    {
+        calls += counted != nullptr && (a == counted || b == counted);
+        return btCollisionDispatcher::needsResponse(a, b);
+    }
+};
+
+/// Removes a body from its world, once, and moves another.
+struct RemoveInAction : btActionInterface
+{
+    btRigidBody *removed = nullptr, *moved = nullptr;
+
+    void updateAction(btCollisionWorld* world, btScalar) override
+    {
+        if (removed == nullptr)
+            return;
+        static_cast<btDynamicsWorld*>(world)->removeRigidBody(removed);
+        removed = nullptr;
+        moved->setWorldTransform(
+            btTransform(btQuaternion::getIdentity(), moved->getWorldTransform().getOrigin() + btVector3(1, 0, 0)));
+    }
+    void debugDraw(btIDebugDraw*) override
+    {
+    }
+};
+
+// Manifolds of soft bodies stay in the dispatcher until the next step; an action may delete the body, too.
+START_TEST(nothing_reads_a_body_on_cloth_after_an_action_has_removed_it)
+{
+    RemoveInAction action;
+    qcMeshContact contact;
+    qcDeformableTestWorld<qcDeformableWorld, CountingDispatcher> deformable;
+    qcDeformableWorld& world = *deformable.world;
+    world.setThreadCount(1);
+    world.addAction(&action);
+    contact.addTo(&world);
+    btDeformableGravityForce gravity(world.getGravity());
+    std::unique_ptr<qcMeshShape> shape = qcBoxModel(btVector3(1, 1, 1) / 5, 1).MakeShape();
+    btRigidBody crate(btScalar(0.3), nullptr, shape.get(), btVector3(1, 1, 1));
+    btRigidBody other(btScalar(0.3), nullptr, shape.get(), btVector3(1, 1, 1));
+    crate.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, btScalar(0.35), 0)));
+    other.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(3, 0, 0)));
+    world.addRigidBody(&crate);
+    world.addRigidBody(&other);
+    btSoftBody* cloth = btSoftBodyHelpers::CreatePatch(
+        world.getWorldInfo(), btVector3(-0.5, btScalar(0.1), -0.5), btVector3(0.5, btScalar(0.1), -0.5),
+        btVector3(-0.5, btScalar(0.1), 0.5), btVector3(0.5, btScalar(0.1), 0.5), 5, 5, 15, true);
+    cloth->m_cfg.collisions = btSoftBody::fCollision::SDF_RD;
+    cloth->setTotalMass(btScalar(0.5));
+    world.addSoftBody(cloth);
+    deformable.cloths.push_back(cloth);
+    world.addForce(cloth, &gravity);
+    for (int i = 0; i < 60; i++)
+        world.stepSimulation(btScalar(1.0 / 240), 0);
+    ck_assert_int_gt(world.qcSoftBodyContact::getStatistics().contacts, 0);
+    deformable.dispatcher.counted = &crate;
+    action.removed = &crate;
+    action.moved = &other;
+    world.stepSimulation(btScalar(1.0 / 240), 0);
+    const int calls = deformable.dispatcher.calls;
+    for (int i = 0; i < 3; i++)
+        world.stepSimulation(btScalar(1.0 / 240), 0);
+    ck_assert_int_eq(calls, 0);
+    world.removeRigidBody(&other);
+}
+END_TEST
 } // namespace
 
 QC_RUN_TESTS("contact callbacks of soft bodies", a_contact_of_a_cloth_with_a_mesh_starts_once_and_ends_once,
@@ -458,4 +532,5 @@ QC_RUN_TESTS("contact callbacks of soft bodies", a_contact_of_a_cloth_with_a_mes
              no_callback_reports_the_end_of_a_contact_with_a_removed_mesh,
              no_callback_reports_the_end_of_contacts_of_a_removed_cloth,
              no_callback_reports_a_plate_removed_in_the_step_that_ends_its_contact,
-             contacts_of_deformable_bodies_start_once_and_end_once)
+             contacts_of_deformable_bodies_start_once_and_end_once,
+             nothing_reads_a_body_on_cloth_after_an_action_has_removed_it)

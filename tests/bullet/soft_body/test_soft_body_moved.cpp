@@ -68,10 +68,7 @@ struct MovedWorld : qcSoftWorld
             object->setActivationState(DISABLE_DEACTIVATION);
         }
         PutElsewhere(y);
-        if (auto* body = btRigidBody::upcast(object.get()))
-            world.addRigidBody(body);
-        else
-            world.addCollisionObject(object.get());
+        AddObject();
         oracle.Add([this] { return qcWorldMeshOf(cloth); });
         oracle.Add([this] { return qcWorldMeshOf(*shape, object->getWorldTransform()); });
     }
@@ -79,6 +76,14 @@ struct MovedWorld : qcSoftWorld
     ~MovedWorld()
     {
         world.removeCollisionObject(object.get());
+    }
+
+    void AddObject()
+    {
+        if (auto* body = btRigidBody::upcast(object.get()))
+            world.addRigidBody(body);
+        else
+            world.addCollisionObject(object.get());
     }
 
     void Move(btScalar y)
@@ -188,6 +193,26 @@ START_TEST(an_object_that_is_put_elsewhere_sweeps_over_nothing)
     world.PutElsewhere(3);
     world.Step();
     ck_assert_double_eq_tol(double(world.Height()), 0, 1e-3);
+}
+END_TEST
+
+/// An application may reset the broadphase between two levels of a game.
+START_TEST(an_object_that_is_added_again_elsewhere_after_a_reset_sweeps_over_nothing)
+{
+    const btScalar height = btScalar(0.4); // no more than half its size from the other side
+    MovedWorld world(_i, qcFloorModel(0.8, 2), height);
+    world.Step();
+    world.world.removeSoftBody(world.cloth);
+    world.world.removeCollisionObject(world.object.get());
+    world.broadphase.resetPool(&world.dispatcher);
+    world.PutElsewhere(-height);
+    world.world.addSoftBody(world.cloth);
+    world.AddObject();
+    world.Step();
+    ck_assert_double_eq_tol(double(world.Height()), 0, 1e-3);
+    world.Move(height);
+    world.Step();
+    ck_assert_double_gt(double(world.Height()), double(height));
 }
 END_TEST
 
@@ -473,6 +498,7 @@ QC_TEST_MAIN()
                         MotionStateKinematic + 1);
     tcase_add_loop_test(tests, a_ball_that_moves_by_more_than_its_size_is_no_less_in_motion, 0, KindCount);
     tcase_add_loop_test(tests, an_object_that_is_put_elsewhere_sweeps_over_nothing, 0, KindCount);
+    tcase_add_loop_test(tests, an_object_that_is_added_again_elsewhere_after_a_reset_sweeps_over_nothing, 0, KindCount);
     tcase_add_test(tests, a_body_that_the_pre_tick_callback_puts_elsewhere_sweeps_over_nothing);
     tcase_add_test(tests, a_body_that_the_tick_callback_puts_elsewhere_sweeps_over_nothing);
     tcase_add_test(tests, a_body_that_the_solver_callback_puts_elsewhere_moves_from_there);
