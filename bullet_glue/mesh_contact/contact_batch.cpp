@@ -17,6 +17,8 @@ namespace
 {
 // Pairs that a thread takes at a time, each of half a microsecond.
 constexpr size_t s_storeBlock = 128;
+// Rounding of a place in an object's frame, as a part of the distances that take part.
+constexpr btScalar s_placeError = 64 * SIMD_EPSILON;
 
 /// True if one of the two is a ghost. Ghosts have pairs of their own, which character controllers process at other
 /// times.
@@ -116,11 +118,19 @@ void qcContactBatch::ClearStatistics()
     statistics = known;
 }
 
-/// Marks two meshes whose triangles have to be tested.
-void qcContactBatch::MarkTriangles(uint32_t slotA, uint32_t slotB)
+/// Marks the meshes of an object, whose triangles have to be tested.
+void qcContactBatch::MarkTriangles(const qcBatchObject& gathered)
 {
-    m_triangleSlots.resize(std::max({m_triangleSlots.size(), size_t(slotA) + 1, size_t(slotB) + 1}));
-    m_triangleSlots[slotA] = m_triangleSlots[slotB] = 1;
+    for (const qcBatchMesh& mesh : gathered.meshes)
+    {
+        if (!mesh.placed)
+            continue;
+        // All are marked if the first one is: a compound is in many pairs.
+        m_triangleSlots.resize(std::max(m_triangleSlots.size(), size_t(mesh.id.slot) + 1));
+        if (m_triangleSlots[mesh.id.slot])
+            break;
+        m_triangleSlots[mesh.id.slot] = 1;
+    }
 }
 
 /// Computes the pairs that planes separate, and passes on the others that are fast.
@@ -132,18 +142,6 @@ void qcContactBatch::ReadPairs()
     m_planes.Compute(due, m_scene.GetTimeStep(), settings.threads);
     m_impacts.Begin(m_scene.GetTimeStep());
     m_triangleSlots.clear();
-    auto moving = [this](const btCollisionObject* object, const qcBatchObject& gathered, const qcBatchMesh& mesh)
-    {
-        return qcMovingMesh{object,
-                            mesh.id,
-                            mesh.transform,
-                            &mesh.sources,
-                            gathered.boxRadius,
-                            gathered.threshold,
-                            mesh.margin,
-                            gathered.maxContactDistance,
-                            m_axes.FindMesh(object)};
-    };
     for (size_t i = 0; i < due.size(); i++)
     {
         const qcBatchPair& pair = due[i];
@@ -154,14 +152,14 @@ void qcContactBatch::ReadPairs()
         btVector3 axis(0, 0, 0);
         if (known == qcPlanePairs::Contact::atStart)
             axis = m_axes.GetAxis(pair.object0, a.meshes.front().transform, pair.object1, b.meshes.front().transform);
-        for (const qcBatchMesh& meshA : a.meshes)
-            for (const qcBatchMesh& meshB : b.meshes)
-                if (meshA.placed && meshB.placed)
-                {
-                    m_impacts.AddPair(moving(pair.object0, a, meshA), moving(pair.object1, b, meshB), axis);
-                    if (known == qcPlanePairs::Contact::none)
-                        MarkTriangles(meshA.id.slot, meshB.id.slot);
-                }
+        if (a.FirstPlaced() == nullptr || b.FirstPlaced() == nullptr)
+            continue;
+        m_impacts.AddPair({pair.object0, &a, m_axes.FindMesh(pair.object0)},
+                          {pair.object1, &b, m_axes.FindMesh(pair.object1)}, axis);
+        if (known != qcPlanePairs::Contact::none)
+            continue;
+        MarkTriangles(a);
+        MarkTriangles(b);
     }
     statistics.planes = m_planes.GetPairCount();
 }
@@ -179,8 +177,8 @@ void qcContactBatch::SampleImpacts()
 /// The pair of two meshes' objects; null: the batch does not have it.
 qcPairContact* qcContactBatch::FindPair(uint32_t slotA, uint32_t slotB)
 {
-    size_t count = m_ownerOfSlot.size();
-    uint32_t a = slotA < count ? m_ownerOfSlot[slotA] : 0, b = slotB < count ? m_ownerOfSlot[slotB] : 0;
+    size_t count = m_slots.size();
+    uint32_t a = slotA < count ? m_slots[slotA].owner : 0, b = slotB < count ? m_slots[slotB].owner : 0;
     return a != 0 && b != 0 ? m_pairs.Find(a, b) : nullptr;
 }
 
@@ -207,15 +205,20 @@ bool qcContactBatch::NeedsTriangles(void* context, uint32_t slotA, uint32_t slot
 
 void qcContactBatch::NumberSlots()
 {
-    m_ownerOfSlot.clear();
+    m_slots.clear();
     for (const qcBatchPair& pair : m_validity.GetDue())
         for (const qcBatchObject* gathered : {pair.gathered0, pair.gathered1})
-            for (const qcBatchMesh& mesh : gathered->meshes)
-                if (mesh.placed)
-                {
-                    m_ownerOfSlot.resize(std::max(m_ownerOfSlot.size(), size_t(mesh.id.slot) + 1));
-                    m_ownerOfSlot[mesh.id.slot] = gathered->owner;
-                }
+            for (size_t i = 0; i < gathered->meshes.size(); i++)
+            {
+                if (!gathered->meshes[i].placed)
+                    continue;
+                const uint32_t slot = gathered->meshes[i].id.slot;
+                m_slots.resize(std::max(m_slots.size(), size_t(slot) + 1));
+                // All have their numbers if the first one has: a compound is in many pairs.
+                if (m_slots[slot].owner != 0)
+                    break;
+                m_slots[slot] = {gathered->owner, uint32_t(i)};
+            }
 }
 
 qcStatus qcContactBatch::Detect()
@@ -245,36 +248,65 @@ qcStatus qcContactBatch::Detect()
     return qc_statusOk;
 }
 
-/// Keeps the points of a pair from the last query.
-void qcContactBatch::StorePoints(const qcBatchPair& pair, std::vector<qcMeshPoint>* scratch,
+/// Lists the pairs of meshes with points of the last query or of impact sampling: few of those of two compounds.
+void qcContactBatch::ListMeshPairs()
+{
+    m_meshPairs.clear();
+    auto add = [this](uint32_t slotA, uint32_t slotB)
+    {
+        const Slot *a = &m_slots[slotA], *b = &m_slots[slotB];
+        if (a->owner > b->owner)
+            std::swap(a, b);
+        m_meshPairs.push_back({a->owner, b->owner, a->mesh, b->mesh});
+    };
+    for (size_t i = 0; i < m_result->manifoldCount; i++)
+        add(m_result->manifolds[i].bodyA, m_result->manifolds[i].bodyB);
+    m_impacts.ForEachPair(add);
+    std::sort(m_meshPairs.begin(), m_meshPairs.end());
+    m_meshPairs.erase(std::unique(m_meshPairs.begin(), m_meshPairs.end()), m_meshPairs.end());
+}
+
+/// Keeps the points of two meshes of a pair from the last query.
+void qcContactBatch::StorePoints(const qcBatchPair& pair, uint32_t i, uint32_t j, std::vector<qcMeshPoint>* scratch,
                                  qcPairContact* contact) const
 {
     std::vector<qcMeshPoint>& points = *scratch;
+    const qcBatchMesh &meshA = pair.gathered0->meshes[i], &meshB = pair.gathered1->meshes[j];
+    points.clear();
+    if (m_planes.Has(meshA.id.slot, meshB.id.slot))
+        contact->gap = m_planes.AppendPoints(meshA.id, meshB.id, &points);
+    else
+        qcAppendPoints(*m_result, meshA.id, meshA.sources, meshB.id, meshB.sources, &points);
+    size_t found = points.size();
+    for (size_t k = 0; k < found; k++)
+        contact->regions += k == 0 || points[k].region != points[k - 1].region;
+    m_impacts.AppendPoints(meshA.id, meshA.transform, meshB.id, meshB.transform, &points);
+    for (qcMeshPoint& point : points)
+    {
+        point.onA = meshA.transform.invXform(point.onA);
+        point.onB = meshB.transform.invXform(point.onB);
+        point.normal = point.normal * meshB.transform.getBasis();
+        contact->points.push_back({i, j, size_t(&point - points.data()) >= found, point});
+    }
+}
+
+/// Likewise of all its meshes.
+void qcContactBatch::StorePoints(const qcBatchPair& pair, std::vector<qcMeshPoint>* scratch,
+                                 qcPairContact* contact) const
+{
     const qcBatchObject &a = *pair.gathered0, &b = *pair.gathered1;
-    for (uint32_t i = 0; i < a.meshes.size(); i++)
-        for (uint32_t j = 0; j < b.meshes.size(); j++)
-        {
-            const qcBatchMesh &meshA = a.meshes[i], &meshB = b.meshes[j];
-            contact->gap = std::min(contact->gap, meshA.placed && meshB.placed ? double(meshA.reach + meshB.reach) : 0);
-            if (!meshA.placed || !meshB.placed)
-                continue;
-            points.clear();
-            if (m_planes.Has(meshA.id.slot, meshB.id.slot))
-                contact->gap = m_planes.AppendPoints(meshA.id, meshB.id, &points);
-            else
-                qcAppendPoints(*m_result, meshA.id, meshA.sources, meshB.id, meshB.sources, &points);
-            size_t found = points.size();
-            for (size_t k = 0; k < found; k++)
-                contact->regions += k == 0 || points[k].region != points[k - 1].region;
-            m_impacts.AppendPoints(meshA.id, meshA.transform, meshB.id, meshB.transform, &points);
-            for (qcMeshPoint& point : points)
-            {
-                point.onA = meshA.transform.invXform(point.onA);
-                point.onB = meshB.transform.invXform(point.onB);
-                point.normal = point.normal * meshB.transform.getBasis();
-                contact->points.push_back({i, j, size_t(&point - points.data()) >= found, point});
-            }
-        }
+    contact->gap = std::min(contact->gap, a.isPlaced && b.isPlaced ? double(a.minReach + b.minReach) : 0);
+    if (a.meshes.size() == 1 && b.meshes.size() == 1)
+    {
+        // It may be one that a plane separates, which no query has.
+        if (a.isPlaced && b.isPlaced)
+            StorePoints(pair, 0, 0, scratch, contact);
+        return;
+    }
+    const MeshPair first{a.owner, b.owner, 0, 0};
+    for (auto meshes = std::lower_bound(m_meshPairs.begin(), m_meshPairs.end(), first);
+         meshes != m_meshPairs.end() && (*meshes)[0] == a.owner && (*meshes)[1] == b.owner; ++meshes)
+        StorePoints(pair, (*meshes)[2], (*meshes)[3], scratch, contact);
 }
 
 /// Keeps what the query has found of a pair, but the distances of its triangles.
@@ -301,6 +333,8 @@ void qcContactBatch::Store()
 {
     const std::vector<qcBatchPair>& due = m_validity.GetDue();
     m_points.resize(qcWorkersOf(settings.threads));
+    if (m_result != nullptr)
+        ListMeshPairs();
     qcForEach(uint32_t(m_points.size()), due.size(), s_storeBlock,
               [&](size_t i, uint32_t worker) { StorePair(due[i], &m_points[worker]); });
     for (size_t i = 0; m_result != nullptr && i < m_result->pairCount; i++)
@@ -356,14 +390,20 @@ void qcContactBatch::Run()
 int qcContactBatch::FindMesh(const qcBatchObject& gathered, const qcPlacedMesh& mesh) const
 {
     const btTransform& object = mesh.object->getWorldTransform();
-    auto isPlaced = [&](const qcBatchMesh& candidate)
+    auto isPlaced = [&](size_t index)
     {
+        const qcBatchMesh& candidate = gathered.meshes[index];
         return candidate.shape == mesh.shape && candidate.margin == mesh.shape->getMargin() &&
                candidate.revision == qcMeshRevision(mesh.shape) &&
                qcDisplacementBound(object * candidate.local, mesh.transform, candidate.radius) <= gathered.tolerance;
     };
-    auto found = std::find_if(gathered.meshes.begin(), gathered.meshes.end(), isPlaced);
-    return found != gathered.meshes.end() ? int(found - gathered.meshes.begin()) : -1;
+    // Its origin is displaced by no more than the tolerance, and rounding; twice that in the object's frame if the
+    // basis is not quite orthogonal.
+    const btVector3 &from = object.getOrigin(), &origin = mesh.transform.getOrigin();
+    const btScalar distance =
+        2 * gathered.tolerance + s_placeError * (from.length() + origin.length() + gathered.radius);
+    const size_t found = gathered.places.FindFirst(object.getBasis().inverse() * (origin - from), distance, isPlaced);
+    return found < gathered.meshes.size() ? int(found) : -1;
 }
 
 /// Appends the pair's known points. False if the last check did not have the pair.

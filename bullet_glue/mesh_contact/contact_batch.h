@@ -11,6 +11,7 @@
 #include "mesh_contact/scene/batch_scene.h"
 #include "mesh_contact/scene/batch_validity.h"
 
+#include <array>
 #include <atomic>
 
 class btIDebugDraw;
@@ -67,6 +68,14 @@ class qcContactBatch : public qcRigidLimits, public qcKnownGaps
     qcMeshContactStatistics statistics; ///< between steps only
 
   private:
+    /// A mesh of a due pair.
+    struct Slot
+    {
+        uint32_t owner = 0; ///< see qcBatchObject; 0: none
+        uint32_t mesh = 0;  ///< index in the object
+    };
+    using MeshPair = std::array<uint32_t, 4>; ///< owners of two objects, the lower one first, and indices of meshes
+
     void MarkStarts();
     void Note(qcStatus status);
     void ClearStatistics();
@@ -82,8 +91,11 @@ class qcContactBatch : public qcRigidLimits, public qcKnownGaps
     qcPairContact* FindDue(uint32_t slotA, uint32_t slotB);
     static bool HasPair(void* context, uint32_t slotA, uint32_t slotB);
     static bool NeedsTriangles(void* context, uint32_t slotA, uint32_t slotB);
-    void MarkTriangles(uint32_t slotA, uint32_t slotB);
+    void MarkTriangles(const qcBatchObject& gathered);
     void NumberSlots();
+    void ListMeshPairs();
+    void StorePoints(const qcBatchPair& pair, uint32_t i, uint32_t j, std::vector<qcMeshPoint>* scratch,
+                     qcPairContact* contact) const;
     void StorePoints(const qcBatchPair& pair, std::vector<qcMeshPoint>* scratch, qcPairContact* contact) const;
     void StorePair(const qcBatchPair& pair, std::vector<qcMeshPoint>* scratch);
     void Store();
@@ -95,7 +107,8 @@ class qcContactBatch : public qcRigidLimits, public qcKnownGaps
     qcBatchScene m_scene;
     qcPairContacts m_pairs;
     qcBatchValidity m_validity;
-    std::vector<uint32_t> m_ownerOfSlot; ///< of the meshes of due pairs
+    std::vector<Slot> m_slots;         ///< by slot
+    std::vector<MeshPair> m_meshPairs; ///< with points of the last batch, sorted
     qcAxisCache m_axes;
     qcMotionLimiter m_limiter;
     bool m_isLimited = false;                       ///< the present step, by LimitFirst

@@ -31,11 +31,12 @@ constexpr btScalar s_maxPairDepth = btScalar(1.5);
 constexpr btScalar s_maxNextDepth = btScalar(0.5);
 
 /// Upper bound of the speed at which points of two bodies pass each other where both can be: within the smaller body.
-btScalar MaxSpeedBetween(const qcMovingMesh& a, const qcMovingMesh& b)
+btScalar MaxSpeedBetween(const qcMovingObject& a, const qcMovingObject& b)
 {
     qcRigidMotion motionA(a.object), motionB(b.object);
-    const qcMovingMesh& small = a.radius < b.radius ? a : b;
-    return qcMaxSpeedBetween(motionA, motionB, small.object->getWorldTransform().getOrigin(), small.radius);
+    const qcMovingObject& small = a.gathered->boxRadius < b.gathered->boxRadius ? a : b;
+    return qcMaxSpeedBetween(motionA, motionB, small.object->getWorldTransform().getOrigin(),
+                             small.gathered->boxRadius);
 }
 
 /// The time at which two bodies touched, by linear interpolation of their distance: `previous` at `previousTime`, and
@@ -45,15 +46,15 @@ btScalar TouchTime(btScalar previousTime, btScalar previous, btScalar time, btSc
     return previous > 0 ? previousTime + (time - previousTime) * previous / (previous - distance) : previousTime;
 }
 
-/// Upper bound of the motion of a slow mesh in a step.
-btScalar SlowTravelOf(const qcMovingMesh& mesh)
+/// Upper bound of the motion of a slow object in a step.
+btScalar SlowTravelOf(const qcBatchObject& object)
 {
-    return std::max(mesh.threshold, s_slow * mesh.radius);
+    return std::max(object.threshold, s_slow * object.boxRadius);
 }
 
-btScalar MaxSpeedOf(const qcMovingMesh& mesh)
+btScalar MaxSpeedOf(const qcMovingObject& moving)
 {
-    return qcRigidMotion(mesh.object).MaxSpeed(mesh.radius);
+    return qcRigidMotion(moving.object).MaxSpeed(moving.gathered->boxRadius);
 }
 } // namespace
 
@@ -61,27 +62,77 @@ void qcImpactSampler::Begin(btScalar timeStep)
 {
     m_timeStep = timeStep;
     m_sampleCount = 0;
+    m_objects.clear();
+    m_objectPairs.clear();
+    m_objectPairOf.Clear(0);
+    m_slots.clear();
     m_meshes.clear();
-    m_indexOf.clear();
+    m_stopTimes.clear();
+    m_meshOf.Clear(0);
     m_pairs.clear();
+    m_pairOf.Clear(0);
 }
 
-/// The index of a mesh, which is added if it is new.
-size_t qcImpactSampler::AddMesh(const qcMovingMesh& mesh)
+/// The index of an object, which is added if it is new. One of its meshes is in the scene.
+uint32_t qcImpactSampler::AddObject(const qcMovingObject& moving)
 {
-    auto [found, added] = m_indexOf.emplace(mesh.id.slot, m_meshes.size());
-    if (added)
-        m_meshes.push_back({mesh, qcRigidMotion(mesh.object)});
-    return found->second;
+    const std::vector<qcBatchMesh>& meshes = moving.gathered->meshes;
+    const uint32_t first = moving.gathered->FirstPlaced()->id.slot;
+    if (first < m_slots.size() && m_slots[first].object > 0)
+        return m_slots[first].object - 1;
+    m_objects.push_back({moving, qcRigidMotion(moving.object)});
+    Object& object = m_objects.back();
+    for (size_t i = 0; i < meshes.size(); i++)
+    {
+        if (!meshes[i].placed)
+            continue;
+        const uint32_t slot = meshes[i].id.slot;
+        m_slots.resize(std::max(m_slots.size(), size_t(slot) + 1));
+        m_slots[slot] = {uint32_t(m_objects.size()), uint32_t(i)};
+        object.meshCount++;
+        object.maxMargin = std::max(object.maxMargin, meshes[i].margin);
+    }
+    return uint32_t(m_objects.size()) - 1;
 }
 
-void qcImpactSampler::AddPair(const qcMovingMesh& a, const qcMovingMesh& b, const btVector3& axis)
+/// The index of a mesh of one of the objects, which is added if it is new.
+size_t qcImpactSampler::AddMesh(uint32_t slot)
 {
-    bool swapped = a.id.slot > b.id.slot;
-    const qcMovingMesh &low = swapped ? b : a, &high = swapped ? a : b;
-    btScalar slow = std::min(SlowTravelOf(a), SlowTravelOf(b)), travel = MaxSpeedBetween(low, high) * m_timeStep;
+    const uint32_t index = m_meshOf.FindOrAdd(slot, uint32_t(m_meshes.size()));
+    if (index == m_meshes.size())
+    {
+        const uint32_t object = m_slots[slot].object - 1;
+        m_meshes.push_back({object, &m_objects[object].moving.gathered->meshes[m_slots[slot].mesh]});
+        m_stopTimes.push_back(BT_LARGE_FLOAT);
+    }
+    return index;
+}
+
+/// Adds a pair of meshes of two objects, in the state that it has had so far.
+qcImpactSampler::Pair& qcImpactSampler::AddMeshes(size_t objects, uint32_t slotA, uint32_t slotB)
+{
+    const auto [low, high] = std::minmax({slotA, slotB});
+    m_pairOf.FindOrAdd(KeyOf(low, high), uint32_t(m_pairs.size()));
+    m_pairs.emplace_back();
+    Pair& pair = m_pairs.back();
+    pair.objects = objects;
+    pair.slotA = low;
+    pair.slotB = high;
+    pair.a = AddMesh(low);
+    pair.b = AddMesh(high);
+    pair.axis.setValue(0, 0, 0);
+    return pair;
+}
+
+void qcImpactSampler::AddPair(const qcMovingObject& a, const qcMovingObject& b, const btVector3& axis)
+{
+    const uint32_t slotA = a.gathered->FirstPlaced()->id.slot, slotB = b.gathered->FirstPlaced()->id.slot;
+    bool swapped = slotA > slotB;
+    const qcMovingObject &low = swapped ? b : a, &high = swapped ? a : b;
+    btScalar slow = std::min(SlowTravelOf(*a.gathered), SlowTravelOf(*b.gathered));
+    btScalar travel = MaxSpeedBetween(low, high) * m_timeStep;
     btScalar travelLow = MaxSpeedOf(low) * m_timeStep, travelHigh = MaxSpeedOf(high) * m_timeStep;
-    Pair pair;
+    ObjectPair pair;
     pair.isQuasiStatic[0] = travelLow <= slow;
     pair.isQuasiStatic[1] = travelHigh <= slow;
     pair.isCoMoving = travel <= slow && !pair.isQuasiStatic[0] && !pair.isQuasiStatic[1];
@@ -90,30 +141,59 @@ void qcImpactSampler::AddPair(const qcMovingMesh& a, const qcMovingMesh& b, cons
     // Velocities need not be finite.
     if (!(travel > slow) || !std::isfinite(travel))
         return;
-    pair.a = AddMesh(low);
-    pair.b = AddMesh(high);
-    pair.slotA = low.id.slot;
-    pair.slotB = high.id.slot;
+    pair.a = AddObject(low);
+    pair.b = AddObject(high);
     pair.sampleCount = int(std::min(btScalar(s_maxSamples), std::ceil(travel / slow)));
     pair.maxSpeed = travel / m_timeStep;
-    pair.threshold = std::min(a.threshold, b.threshold);
-    pair.axis = swapped ? -axis : axis;
+    pair.threshold = std::min(a.gathered->threshold, b.gathered->threshold);
     // The query at the beginning of the step assumes that co-moving bodies don't close in on each other.
-    pair.contactDistance = pair.isCoMoving ? btScalar(0) : std::min(a.contactDistance, b.contactDistance);
-    m_pairs.push_back(pair);
+    pair.contactDistance =
+        pair.isCoMoving ? btScalar(0) : std::min(a.gathered->maxContactDistance, b.gathered->maxContactDistance);
+    const size_t index = m_objectPairs.size();
+    const auto [first, second] = std::minmax({pair.a, pair.b});
+    m_objectPairOf.FindOrAdd(KeyOf(first, second), uint32_t(index));
+    m_objectPairs.push_back(pair);
+    // Hulls are compared without a query. A query reports those few meshes of compounds that come near each other.
+    if (m_objects[pair.a].meshCount * m_objects[pair.b].meshCount == 1)
+        AddMeshes(index, slotA, slotB).axis = swapped ? -axis : axis;
+}
+
+/// The pair of two meshes' objects; null: it is not fast.
+const qcImpactSampler::ObjectPair* qcImpactSampler::FindObjects(uint32_t slotA, uint32_t slotB) const
+{
+    if (std::max(slotA, slotB) >= m_slots.size() || m_slots[slotA].object == 0 || m_slots[slotB].object == 0)
+        return nullptr;
+    const auto [low, high] = std::minmax({m_slots[slotA].object - 1, m_slots[slotB].object - 1});
+    const uint32_t* index = m_objectPairOf.Find(KeyOf(low, high));
+    return index != nullptr ? &m_objectPairs[*index] : nullptr;
+}
+
+/// Null: a mesh that goes on.
+const qcImpactSampler::Mesh* qcImpactSampler::FindMesh(uint32_t slot) const
+{
+    const uint32_t* index = m_meshOf.Find(slot);
+    return index != nullptr ? &m_meshes[*index] : nullptr;
+}
+
+const qcImpactSampler::Pair* qcImpactSampler::FindPair(uint32_t slotA, uint32_t slotB) const
+{
+    const auto [low, high] = std::minmax({slotA, slotB});
+    const uint32_t* index = m_pairOf.Find(KeyOf(low, high));
+    return index != nullptr ? &m_pairs[*index] : nullptr;
 }
 
 /// A stopped mesh stays where it was at its stop time.
-btTransform qcImpactSampler::TransformAt(const Mesh& mesh, btScalar time)
+btTransform qcImpactSampler::TransformAt(const Mesh& mesh, btScalar time) const
 {
-    const qcMovingMesh& moving = mesh.moving;
-    if (time == 0 || qcIsStatic(moving.object))
-        return moving.transform;
-    const btTransform& now = moving.object->getWorldTransform();
+    const Object& object = m_objects[mesh.object];
+    const btCollisionObject* moving = object.moving.object;
+    if (time == 0 || qcIsStatic(moving))
+        return mesh.placed->transform;
+    const btTransform& now = moving->getWorldTransform();
     btTransform then;
-    btTransformUtil::integrateTransform(now, mesh.motion.linear, mesh.motion.angular, std::min(time, mesh.stopTime),
+    btTransformUtil::integrateTransform(now, object.motion.linear, object.motion.angular, std::min(time, mesh.stopTime),
                                         then);
-    return then * (now.inverse() * moving.transform);
+    return then * (now.inverse() * mesh.placed->transform);
 }
 
 qcImpactSampler::PairTransforms qcImpactSampler::TransformsAt(const Pair& pair, btScalar time) const
@@ -121,52 +201,84 @@ qcImpactSampler::PairTransforms qcImpactSampler::TransformsAt(const Pair& pair, 
     return {TransformAt(m_meshes[pair.a], time), TransformAt(m_meshes[pair.b], time)};
 }
 
-qcStatus qcImpactSampler::SetTransforms(qcScene* scene, btScalar time) const
+/// Places the meshes of an object that moves.
+qcStatus qcImpactSampler::SetTransforms(qcScene* scene, const Object& object, btScalar time) const
 {
+    // Where those are that go on: see TransformAt.
+    const btTransform &now = object.moving.object->getWorldTransform(), toObject = now.inverse();
+    btTransform then;
+    btTransformUtil::integrateTransform(now, object.motion.linear, object.motion.angular, time, then);
     qcStatus status = qc_statusOk;
-    for (const Mesh& mesh : m_meshes)
+    for (const qcBatchMesh& placed : object.moving.gathered->meshes)
     {
-        if (qcIsStatic(mesh.moving.object))
+        if (!placed.placed)
             continue;
-        qcTransform transform = qcTransformOf(TransformAt(mesh, time));
-        status = qcFirstError(status, qcScene_SetTransform(scene, mesh.moving.id, &transform));
+        const Mesh* kept = FindMesh(placed.id.slot);
+        const btTransform place = time == 0         ? placed.transform
+                                  : kept != nullptr ? TransformAt(*kept, time)
+                                                    : then * (toObject * placed.transform);
+        const qcTransform transform = qcTransformOf(place);
+        status = qcFirstError(status, qcScene_SetTransform(scene, placed.id, &transform));
     }
     return status;
 }
 
-void qcImpactSampler::SortPairs()
+qcStatus qcImpactSampler::SetTransforms(qcScene* scene, btScalar time) const
 {
-    std::sort(m_pairs.begin(), m_pairs.end(),
-              [](const Pair& x, const Pair& y)
-              { return std::make_pair(x.slotA, x.slotB) < std::make_pair(y.slotA, y.slotB); });
+    qcStatus status = qc_statusOk;
+    for (const Object& object : m_objects)
+        if (!qcIsStatic(object.moving.object))
+            status = qcFirstError(status, SetTransforms(scene, object, time));
+    return status;
 }
 
-const qcImpactSampler::Pair* qcImpactSampler::FindPair(uint32_t slotA, uint32_t slotB) const
+/// True if the present pass samples two meshes of a pair of objects: the first one if these pass each other, else the
+/// first one for which one of the two has stopped.
+bool qcImpactSampler::IsOfPass(const ObjectPair& objects, const Mesh* a, const Mesh* b) const
 {
-    auto key = std::minmax({slotA, slotB});
-    auto isBefore = [](const Pair& pair, const std::pair<uint32_t, uint32_t>& slots)
-    { return std::make_pair(pair.slotA, pair.slotB) < slots; };
-    auto found = std::lower_bound(m_pairs.begin(), m_pairs.end(), key, isBefore);
-    bool same = found != m_pairs.end() && found->slotA == key.first && found->slotB == key.second;
-    return same ? &*found : nullptr;
+    const int stopped = std::min(a != nullptr ? a->stopPass : s_never, b != nullptr ? b->stopPass : s_never);
+    return m_pass == (objects.isCoMoving ? stopped : 0);
+}
+
+/// Co-moving bodies close in on each other only after one of them has stopped.
+bool qcImpactSampler::IsClosing(const ObjectPair& objects, const Mesh* a, const Mesh* b, btScalar time) const
+{
+    return !objects.isCoMoving || (a != nullptr && a->IsStoppedAt(time)) || (b != nullptr && b->IsStoppedAt(time));
+}
+
+/// The number of pairs of meshes that the present pass samples.
+uint64_t qcImpactSampler::CountOfPass(const ObjectPair& objects) const
+{
+    const Object &a = m_objects[objects.a], &b = m_objects[objects.b];
+    if (!objects.isCoMoving)
+        return m_pass == 0 ? a.meshCount * b.meshCount : 0;
+    // All pairs that had not stopped before, but those of two meshes that go on.
+    const uint64_t restA = a.meshCount - a.stoppedCount, restB = b.meshCount - b.stoppedCount;
+    return restA * restB - (restA - a.newlyStoppedCount) * (restB - b.newlyStoppedCount);
 }
 
 bool qcImpactSampler::IsDue(void* context, uint32_t slotA, uint32_t slotB)
 {
-    const Pair* pair = static_cast<const qcImpactSampler*>(context)->FindPair(slotA, slotB);
-    return pair != nullptr && pair->isDue;
+    const auto* sampler = static_cast<const qcImpactSampler*>(context);
+    const ObjectPair* objects = sampler->FindObjects(slotA, slotB);
+    if (objects == nullptr || !objects->isDue)
+        return false;
+    if (const Pair* pair = sampler->FindPair(slotA, slotB))
+        return pair->isDue;
+    const Mesh *a = sampler->FindMesh(slotA), *b = sampler->FindMesh(slotB);
+    return sampler->IsOfPass(*objects, a, b) && sampler->IsClosing(*objects, a, b, sampler->m_time);
 }
 
 /// Selects the pairs of a pass: in the first one those that pass each other fast, later those with a stopped body.
 /// False if there is none.
-bool qcImpactSampler::SelectPairs(bool firstPass)
+bool qcImpactSampler::SelectPairs()
 {
     bool any = false;
-    for (Pair& pair : m_pairs)
+    for (ObjectPair& objects : m_objectPairs)
     {
-        bool hasStopped = m_meshes[pair.a].IsStoppedAt(m_timeStep) || m_meshes[pair.b].IsStoppedAt(m_timeStep);
-        pair.isSelected = !pair.isDone && (firstPass ? !pair.isCoMoving : hasStopped);
-        any = any || pair.isSelected;
+        objects.dueCount = CountOfPass(objects);
+        objects.previousTime = 0;
+        any = any || objects.dueCount > 0;
     }
     return any;
 }
@@ -175,14 +287,22 @@ bool qcImpactSampler::SelectPairs(bool firstPass)
 bool qcImpactSampler::SelectDue(int sample, int sampleCount)
 {
     bool any = false;
+    m_time = m_timeStep * btScalar(sample) / btScalar(sampleCount);
+    for (ObjectPair& objects : m_objectPairs)
+    {
+        if (objects.isDue)
+            objects.previousTime = m_timeStep * btScalar(sample - 1) / btScalar(sampleCount);
+        bool next = sample * objects.sampleCount / sampleCount > (sample - 1) * objects.sampleCount / sampleCount;
+        bool closing =
+            !objects.isCoMoving || std::min(m_objects[objects.a].stopTime, m_objects[objects.b].stopTime) <= m_time;
+        objects.isDue = objects.dueCount > 0 && next && closing;
+        any = any || objects.isDue;
+    }
     for (Pair& pair : m_pairs)
     {
-        bool next = sample * pair.sampleCount / sampleCount > (sample - 1) * pair.sampleCount / sampleCount;
-        // Co-moving bodies close in on each other only after one of them has stopped.
-        btScalar time = m_timeStep * btScalar(sample) / btScalar(sampleCount);
-        bool closing = !pair.isCoMoving || m_meshes[pair.a].IsStoppedAt(time) || m_meshes[pair.b].IsStoppedAt(time);
-        pair.isDue = pair.isSelected && !pair.isDone && next && closing;
-        any = any || pair.isDue;
+        const ObjectPair& objects = m_objectPairs[pair.objects];
+        const Mesh &a = m_meshes[pair.a], &b = m_meshes[pair.b];
+        pair.isDue = objects.isDue && !pair.isDone && IsOfPass(objects, &a, &b) && IsClosing(objects, &a, &b, m_time);
     }
     return any;
 }
@@ -190,12 +310,13 @@ bool qcImpactSampler::SelectDue(int sample, int sampleCount)
 /// Takes the points of a region that are beyond the contact distance at the beginning of the step, within it at the
 /// end, and were apart at the previous sample. Moves their ends to the frames of the meshes. Returns when the bodies
 /// touched, if that was since the previous sample.
-btScalar qcImpactSampler::TakeRegion(qcMeshPoint* begin, qcMeshPoint* end, btScalar time, Pair* pair)
+btScalar qcImpactSampler::TakeRegion(qcMeshPoint* begin, qcMeshPoint* end, Pair* pair)
 {
+    const ObjectPair& objects = m_objectPairs[pair->objects];
     const Mesh &a = m_meshes[pair->a], &b = m_meshes[pair->b];
-    PairTransforms first{a.moving.transform, b.moving.transform}, previous = TransformsAt(*pair, pair->previousTime);
-    btTransform toA = TransformAt(a, time).inverse(), toB = TransformAt(b, time).inverse();
-    btScalar margins = a.moving.margin + b.moving.margin, travel = pair->maxSpeed * (time - pair->previousTime);
+    PairTransforms first{a.placed->transform, b.placed->transform}, previous = TransformsAt(*pair, pair->previousTime);
+    btTransform toA = TransformAt(a, m_time).inverse(), toB = TransformAt(b, m_time).inverse();
+    btScalar margins = a.placed->margin + b.placed->margin, travel = objects.maxSpeed * (m_time - pair->previousTime);
     btScalar deepest = 0, stopTime = BT_LARGE_FLOAT;
     for (qcMeshPoint* point = begin; point < end; point++)
     {
@@ -216,62 +337,70 @@ btScalar qcImpactSampler::TakeRegion(qcMeshPoint* begin, qcMeshPoint* end, btSca
     {
         btScalar distance = first.DistanceOf(*point) - margins, last = previous.DistanceOf(*point) - margins;
         if (point->distance <= margins && last > point->distance - margins)
-            stopTime = std::min(stopTime, TouchTime(pair->previousTime, last, time, point->distance - margins));
+            stopTime = std::min(stopTime, TouchTime(pair->previousTime, last, m_time, point->distance - margins));
         const btVector3 none(0, 0, 0);
-        btVector3 travelA = a.IsStoppedAt(time) ? none : a.motion.VelocityAt(first.a * point->onA) * m_timeStep;
-        btVector3 travelB = b.IsStoppedAt(time) ? none : b.motion.VelocityAt(first.b * point->onB) * m_timeStep;
+        const qcRigidMotion &motionA = m_objects[a.object].motion, &motionB = m_objects[b.object].motion;
+        btVector3 travelA = a.IsStoppedAt(m_time) ? none : motionA.VelocityAt(first.a * point->onA) * m_timeStep;
+        btVector3 travelB = b.IsStoppedAt(m_time) ? none : motionB.VelocityAt(first.b * point->onB) * m_timeStep;
         point->endDistance = distance - (travelB - travelA).dot(point->normal);
-        if (deepest >= -s_maxDepth * travel && last >= 0 && distance > pair->contactDistance &&
-            point->endDistance <= pair->contactDistance)
+        if (deepest >= -s_maxDepth * travel && last >= 0 && distance > objects.contactDistance &&
+            point->endDistance <= objects.contactDistance)
             pair->points.push_back(*point);
     }
     return stopTime;
 }
 
 /// True if points of a sample, with ends in the frames of the meshes, stop the pair before its next sample.
-bool qcImpactSampler::IsStoppedBy(const std::vector<qcMeshPoint>& points, btScalar time, const Pair& pair) const
+bool qcImpactSampler::IsStoppedBy(const std::vector<qcMeshPoint>& points, const Pair& pair) const
 {
-    btScalar interval = m_timeStep / btScalar(pair.sampleCount);
-    btScalar margins = m_meshes[pair.a].moving.margin + m_meshes[pair.b].moving.margin;
-    PairTransforms next = TransformsAt(pair, time + interval);
+    const ObjectPair& objects = m_objectPairs[pair.objects];
+    btScalar interval = m_timeStep / btScalar(objects.sampleCount);
+    btScalar margins = m_meshes[pair.a].placed->margin + m_meshes[pair.b].placed->margin;
+    PairTransforms next = TransformsAt(pair, m_time + interval);
     return std::any_of(points.begin(), points.end(),
                        [&](const qcMeshPoint& point)
-                       { return next.DistanceOf(point) - margins < -s_maxNextDepth * pair.maxSpeed * interval; });
+                       { return next.DistanceOf(point) - margins < -s_maxNextDepth * objects.maxSpeed * interval; });
 }
 
 /// Takes the points of a pair from a sample, and updates the stop times.
-void qcImpactSampler::TakePoints(std::vector<qcMeshPoint>* points, btScalar time, Pair* pair)
+void qcImpactSampler::TakePoints(std::vector<qcMeshPoint>* points, Pair* pair)
 {
+    ObjectPair& objects = m_objectPairs[pair->objects];
     const Mesh &a = m_meshes[pair->a], &b = m_meshes[pair->b];
     btScalar stopTime = BT_LARGE_FLOAT;
     for (size_t begin = 0, end = 0; begin < points->size(); begin = end)
     {
         while (end < points->size() && (*points)[end].region == (*points)[begin].region)
             end++;
-        stopTime = std::min(stopTime, TakeRegion(points->data() + begin, points->data() + end, time, pair));
+        stopTime = std::min(stopTime, TakeRegion(points->data() + begin, points->data() + end, pair));
     }
-    pair->isDone = pair->isDone || IsStoppedBy(*points, time, *pair);
-    pair->previousTime = time;
-    if (pair->isQuasiStatic[0] || a.IsStoppedAt(stopTime))
+    pair->isDone = pair->isDone || IsStoppedBy(*points, *pair);
+    objects.dueCount -= pair->isDone;
+    pair->previousTime = m_time;
+    // Slots of two compounds may alternate.
+    const bool isSwapped = a.object != objects.a;
+    if (objects.isQuasiStatic[isSwapped] || a.IsStoppedAt(stopTime))
         m_stopTimes[pair->b] = std::min(m_stopTimes[pair->b], stopTime);
-    if (pair->isQuasiStatic[1] || b.IsStoppedAt(stopTime))
+    if (objects.isQuasiStatic[!isSwapped] || b.IsStoppedAt(stopTime))
         m_stopTimes[pair->a] = std::min(m_stopTimes[pair->a], stopTime);
 }
 
 /// Samples a pair by the plane between its hulls, up to a distance. False: its triangles have to be tested.
-bool qcImpactSampler::TestPlane(btScalar distance, btScalar time, Pair* pair)
+bool qcImpactSampler::TestPlane(btScalar distance, Pair* pair)
 {
     pair->isByPlane = false;
     if (pair->axis.fuzzyZero())
         return false;
-    PairTransforms now = TransformsAt(*pair, time);
-    const qcPlacedSupport a{m_meshes[pair->a].moving.hull, now.a}, b{m_meshes[pair->b].moving.hull, now.b};
-    qcSeparation separation = qcFindSeparation(a, b, pair->axis, distance, qcFaceSlack * pair->threshold);
-    btScalar maxOverlap = qcMaxHullOverlap * pair->threshold;
+    const ObjectPair& objects = m_objectPairs[pair->objects];
+    PairTransforms now = TransformsAt(*pair, m_time);
+    auto hullOf = [this](size_t mesh) { return m_objects[m_meshes[mesh].object].moving.hull; };
+    const qcPlacedSupport a{hullOf(pair->a), now.a}, b{hullOf(pair->b), now.b};
+    qcSeparation separation = qcFindSeparation(a, b, pair->axis, distance, qcFaceSlack * objects.threshold);
+    btScalar maxOverlap = qcMaxHullOverlap * objects.threshold;
     if (separation.gap < -maxOverlap)
     {
         // Hulls that have passed through a plane since the previous sample are still next to it.
-        maxOverlap = std::max(maxOverlap, s_maxPairDepth * pair->maxSpeed * (time - pair->previousTime));
+        maxOverlap = std::max(maxOverlap, s_maxPairDepth * objects.maxSpeed * (m_time - pair->previousTime));
         separation = qcSeparation();
         separation.axis = pair->axis;
         separation.gap = qcGapAlong(a, b, pair->axis);
@@ -282,64 +411,116 @@ bool qcImpactSampler::TestPlane(btScalar distance, btScalar time, Pair* pair)
     pair->isByPlane =
         separation.gap > distance || (isNext && m_contact.Find(a, b, separation, distance, true, &m_points));
     if (pair->isByPlane)
-        TakePoints(&m_points, time, pair);
+        TakePoints(&m_points, pair);
     return pair->isByPlane;
 }
 
-/// Samples the due pairs by their triangles.
-qcStatus qcImpactSampler::TestTriangles(qcScene* scene, const qcDetectDef& def, btScalar time)
+/// Samples due pairs by planes. False if there are no others.
+bool qcImpactSampler::TestPlanes(btScalar distance)
 {
-    const qcResult* result = nullptr;
-    qcStatus status = SetTransforms(scene, time);
-    if (status == qc_statusOk)
-        status = qcScene_Detect(scene, &def, &result);
+    bool anyTriangles = false;
     for (Pair& pair : m_pairs)
     {
-        if (status != qc_statusOk || !pair.isDue)
+        pair.isDue = pair.isDue && !TestPlane(distance, &pair);
+        anyTriangles = anyTriangles || pair.isDue;
+    }
+    for (const ObjectPair& objects : m_objectPairs)
+        anyTriangles =
+            anyTriangles || (objects.isDue && m_objects[objects.a].meshCount * m_objects[objects.b].meshCount > 1);
+    return anyTriangles;
+}
+
+/// Adds the pairs of meshes that a sample has found near each other, and no earlier one of the pass.
+void qcImpactSampler::AddReported(const qcResult& result)
+{
+    for (size_t i = 0; i < result.manifoldCount; i++)
+    {
+        const qcManifold& manifold = result.manifolds[i];
+        if (FindPair(manifold.bodyA, manifold.bodyB) != nullptr)
             continue;
-        const qcMovingMesh &a = m_meshes[pair.a].moving, &b = m_meshes[pair.b].moving;
+        const ObjectPair* objects = FindObjects(manifold.bodyA, manifold.bodyB);
+        if (objects == nullptr)
+            continue;
+        Pair& pair = AddMeshes(size_t(objects - m_objectPairs.data()), manifold.bodyA, manifold.bodyB);
+        pair.isDue = true;
+        if (IsClosing(*objects, &m_meshes[pair.a], &m_meshes[pair.b], objects->previousTime))
+            pair.previousTime = objects->previousTime;
+    }
+}
+
+/// Samples the due pairs by their triangles.
+qcStatus qcImpactSampler::TestTriangles(qcScene* scene, const qcDetectDef& def)
+{
+    const qcResult* result = nullptr;
+    qcStatus status = SetTransforms(scene, m_time);
+    if (status == qc_statusOk)
+        status = qcScene_Detect(scene, &def, &result);
+    if (status != qc_statusOk)
+        return status;
+    AddReported(*result);
+    for (Pair& pair : m_pairs)
+    {
+        if (!pair.isDue)
+            continue;
+        const qcBatchMesh &a = *m_meshes[pair.a].placed, &b = *m_meshes[pair.b].placed;
         m_points.clear();
-        qcAppendPoints(*result, a.id, *a.sources, b.id, *b.sources, &m_points);
-        TakePoints(&m_points, time, &pair);
+        qcAppendPoints(*result, a.id, a.sources, b.id, b.sources, &m_points);
+        TakePoints(&m_points, &pair);
     }
     return status;
 }
 
-/// Samples the selected pairs and marks them as done.
+/// Marks the pairs of a pass as done, and what has stopped in it.
+void qcImpactSampler::EndPass()
+{
+    for (ObjectPair& objects : m_objectPairs)
+        objects.isDue = false;
+    for (Pair& pair : m_pairs)
+        pair.isDone = pair.isDone || IsOfPass(m_objectPairs[pair.objects], &m_meshes[pair.a], &m_meshes[pair.b]);
+    m_pass++;
+    for (Object& object : m_objects)
+    {
+        object.stoppedCount += object.newlyStoppedCount;
+        object.newlyStoppedCount = 0;
+        object.stopTime = BT_LARGE_FLOAT;
+    }
+    for (size_t i = 0; i < m_meshes.size(); i++)
+    {
+        Mesh& mesh = m_meshes[i];
+        mesh.stopTime = m_stopTimes[i];
+        if (mesh.stopPass != s_never || !mesh.IsStoppedAt(m_timeStep))
+            continue;
+        mesh.stopPass = m_pass;
+        m_objects[mesh.object].newlyStoppedCount++;
+        m_objects[mesh.object].stopTime = std::min(m_objects[mesh.object].stopTime, mesh.stopTime);
+    }
+}
+
+/// Samples the selected pairs.
 qcStatus qcImpactSampler::RunPass(qcScene* scene, const qcDetectDef& def)
 {
     int sampleCount = 0;
-    for (const Pair& pair : m_pairs)
-        if (pair.isSelected)
-            sampleCount = std::max(sampleCount, pair.sampleCount);
+    for (const ObjectPair& objects : m_objectPairs)
+        if (objects.dueCount > 0)
+            sampleCount = std::max(sampleCount, objects.sampleCount);
     qcStatus status = qc_statusOk;
     for (int sample = 1; sample <= sampleCount && status == qc_statusOk; sample++)
     {
         if (!SelectDue(sample, sampleCount))
             continue;
         m_sampleCount++;
-        btScalar time = m_timeStep * btScalar(sample) / btScalar(sampleCount);
-        bool anyTriangles = false;
-        for (Pair& pair : m_pairs)
-        {
-            pair.isDue = pair.isDue && !TestPlane(btScalar(def.margin), time, &pair);
-            anyTriangles = anyTriangles || pair.isDue;
-        }
-        if (anyTriangles)
-            status = TestTriangles(scene, def, time);
+        if (TestPlanes(btScalar(def.margin)))
+            status = TestTriangles(scene, def);
     }
-    for (Pair& pair : m_pairs)
-        pair.isDone = pair.isDone || pair.isSelected;
-    for (size_t i = 0; i < m_meshes.size(); i++)
-        m_meshes[i].stopTime = m_stopTimes[i];
+    EndPass();
     return status;
 }
 
 qcDetectDef qcImpactSampler::SampleDef(const qcDetectDef& def)
 {
     double margins = 0;
-    for (const Pair& pair : m_pairs)
-        margins = std::max(margins, double(m_meshes[pair.a].moving.margin + m_meshes[pair.b].moving.margin));
+    for (const ObjectPair& objects : m_objectPairs)
+        margins = std::max(margins, double(m_objects[objects.a].maxMargin + m_objects[objects.b].maxMargin));
     qcDetectDef sampleDef = def;
     sampleDef.margin = margins + double(s_queryDistance) * std::max(def.margin - margins, 0.0);
     // Bodies overlap at a sample; TakeRegion finds by their motion on which side of a surface a point lies.
@@ -353,13 +534,12 @@ qcDetectDef qcImpactSampler::SampleDef(const qcDetectDef& def)
 
 qcStatus qcImpactSampler::Sample(qcScene* scene, const qcDetectDef& def)
 {
-    SortPairs();
-    if (!SelectPairs(true))
+    m_pass = 0;
+    if (!SelectPairs())
         return qc_statusOk;
-    m_stopTimes.assign(m_meshes.size(), BT_LARGE_FLOAT);
     qcDetectDef sampleDef = SampleDef(def);
     qcStatus status = RunPass(scene, sampleDef);
-    for (int pass = 1; pass < qcMaxStops && status == qc_statusOk && SelectPairs(false); pass++)
+    while (m_pass < qcMaxStops && status == qc_statusOk && SelectPairs())
         status = RunPass(scene, sampleDef);
     return qcFirstError(status, SetTransforms(scene, 0));
 }

@@ -219,21 +219,53 @@ bool PassesNone(const qcSupportMesh& hull, const btTransform& start, const btTra
     mesh.processAllTriangles(&test, lower, upper);
     return test.isClear;
 }
+
+/// The box of a hull's path in the frame of an object at rest. A child whose box does not meet it has a plane below the
+/// hull, across one of the frame's axes, at the start and at the end, as a triangle has: see Path::FindBox. The radius
+/// of the object counts twice, since the children's places and boxes are rounded in its frame: each by less than
+/// s_error of it.
+struct ChildBox
+{
+    btVector3 lower, upper;
+
+    ChildBox(const qcSweptHull& hull, const qcSweptObject& moving, const qcSweptObject& still)
+    {
+        const double extent = 2 * double(still.children.Radius());
+        Path(*hull.mesh, moving.start * hull.local, moving.end * hull.local, still.start, extent)
+            .FindBox(&lower, &upper);
+    }
+};
 } // namespace
 
 bool qcHasClearPath(const qcSweptObject& moving, const qcSweptObject& still)
 {
     bool isClear = !moving.hulls.empty() && !still.moves && still.cores == nullptr;
-    auto test = [&](const btCollisionShape* simple, const btTransform& local)
+    auto test = [&](const qcSweptHull& hull, const qcMeshShape& mesh, const btTransform& local)
+    {
+        isClear = isClear &&
+                  PassesNone(*hull.mesh, moving.start * hull.local, moving.end * hull.local, mesh, still.start * local);
+    };
+    auto testSimple = [&](const btCollisionShape* simple, const btTransform& local)
     {
         const qcMeshShape* mesh = qcAsMeshShape(simple);
-        const btTransform place = still.start * local;
         isClear = isClear && mesh != nullptr;
         for (const qcSweptHull& hull : moving.hulls)
-            isClear =
-                isClear && PassesNone(*hull.mesh, moving.start * hull.local, moving.end * hull.local, *mesh, place);
+            if (isClear)
+                test(hull, *mesh, local);
     };
-    if (isClear)
-        qcForEachSimpleShape(still.object->getCollisionShape(), btTransform::getIdentity(), test);
+    if (!still.children.AreRead())
+    {
+        if (isClear)
+            qcForEachSimpleShape(still.object->getCollisionShape(), btTransform::getIdentity(), testSimple);
+        return isClear;
+    }
+    isClear = isClear && still.children.AreMeshes();
+    for (const qcSweptHull& hull : moving.hulls)
+        if (isClear)
+        {
+            const ChildBox box(hull, moving, still);
+            still.children.VisitBox(box.lower, box.upper,
+                                    [&](const qcSweptChildren::Child& child) { test(hull, *child.mesh, child.local); });
+        }
     return isClear;
 }

@@ -25,6 +25,14 @@ void qcMotionCertificates::LookUp(qcSweptObject* swept)
     swept->known = swept->Deforms() ? nullptr : m_gaps.FindCurrent(swept->object);
 }
 
+/// Reads the children of a compound that hulls of the other object may pass, once a step.
+void qcMotionCertificates::ReadChildren(const qcSweptObject& moving, qcSweptObject* still)
+{
+    if (!moving.hulls.empty() && !still->moves && still->cores == nullptr && !still->children.AreRead() &&
+        still->object->getCollisionShape()->isCompound())
+        still->children.Read(still->object->getCollisionShape());
+}
+
 /// Removes the pairs of which a function of their index is true. Calls for different pairs may run at once, on threads
 /// that take `block` pairs at a time.
 void qcMotionCertificates::Remove(size_t block, const std::function<bool(size_t)>& isProven,
@@ -52,6 +60,11 @@ void qcMotionCertificates::RemoveApart(const std::set<qcPairNumbers>& inner, std
                m_gaps.StayApart({*a.known, a.start, a.end}, {*b.known, b.start, b.end});
     };
     Remove(s_gapBlock, staysApart, pairs);
+    for (const qcSweptPair& pair : *pairs)
+    {
+        ReadChildren(*pair.first, pair.second);
+        ReadChildren(*pair.second, pair.first);
+    }
     auto isClear = [&inner, pairs](size_t i)
     {
         const qcSweptObject &a = *(*pairs)[i].first, &b = *(*pairs)[i].second;

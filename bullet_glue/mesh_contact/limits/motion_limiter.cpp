@@ -354,6 +354,10 @@ void qcMotionLimiter::FindPairs(bool isFirst)
 /// Wakes the bodies near meshes that deform: Bullet does so next to kinematic bodies only.
 void qcMotionLimiter::WakeNearDeforming() const
 {
+    // Once for each object: large compounds have thousands of meshes, and many pairs.
+    const std::vector<qcSweptObject*>& objects = m_objects.Get();
+    if (std::none_of(objects.begin(), objects.end(), [](const qcSweptObject* swept) { return swept->Deforms(); }))
+        return;
     for (const qcSweptPair& pair : m_pairs)
         for (const auto& [swept, other] : {pair, qcSweptPair(pair.second, pair.first)})
             if (swept->body != nullptr && other->Deforms())

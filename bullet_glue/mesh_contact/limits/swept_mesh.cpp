@@ -96,19 +96,14 @@ std::vector<qcSweptSource> qcCollectSwept(const btCollisionShape* shape, qcConve
                                           qcConvexCores* innerCores)
 {
     std::vector<qcSweptSource> swept;
-    auto add = [&swept](const btCollisionShape* meshes, const btTransform& place, qcSweptPart part)
+    auto add = [&swept](const btCollisionShape* mesh, const btTransform& place, qcSweptPart part)
     {
-        std::vector<qcBatchMesh> collected;
-        qcCollectMeshes(meshes, place, &collected);
-        for (const qcBatchMesh& mesh : collected)
-            swept.push_back({mesh, part});
+        swept.emplace_back();
+        swept.back().mesh.shape = mesh;
+        swept.back().mesh.transform = place;
+        swept.back().part = part;
     };
-    add(shape, btTransform::getIdentity(), qcSweptPart::mesh);
-    for (auto [from, part] :
-         {std::make_pair(cores, qcSweptPart::core), std::make_pair(innerCores, qcSweptPart::innerCore)})
-        if (from != nullptr)
-            from->ForEachCore(shape, [&add, part = part](const qcConvexCore& core, const btTransform& place)
-                              { add(core.mesh.get(), place, part); });
+    qcForEachSwept(shape, cores, innerCores, add);
     return swept;
 }
 

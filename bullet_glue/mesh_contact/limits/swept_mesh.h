@@ -2,6 +2,7 @@
 #ifndef QC_GLUE_MESH_CONTACT_LIMITS_SWEPT_MESH_H
 #define QC_GLUE_MESH_CONTACT_LIMITS_SWEPT_MESH_H
 
+#include "common/compound_children.h"
 #include "common/mesh_body.h"
 #include "common/shape_triangles.h"
 #include "mesh_contact/limits/convex_cores.h"
@@ -55,7 +56,25 @@ struct qcSweptMesh : qcMeshBody
     qcStatus Place(qcScene* scene, const btTransform& object, bool atStart);
 };
 
-/// The meshes of a shape and, unless these are null, the cores and inner cores of its convex shapes.
+/// Calls function(shape, transform, part) for the meshes of a shape and, unless these are null, the cores and inner
+/// cores of its convex shapes. `transform`: from the frame of the mesh to that of the shape.
+template <typename Function>
+void qcForEachSwept(const btCollisionShape* shape, qcConvexCores* cores, qcConvexCores* innerCores,
+                    const Function& function)
+{
+    auto addMesh = [&function](const btCollisionShape* mesh, const btTransform& place)
+    {
+        if (qcIsMesh(mesh))
+            function(mesh, place, qcSweptPart::mesh);
+    };
+    qcForEachSimpleShape(shape, btTransform::getIdentity(), addMesh);
+    for (auto [from, part] :
+         {std::make_pair(cores, qcSweptPart::core), std::make_pair(innerCores, qcSweptPart::innerCore)})
+        if (from != nullptr)
+            from->ForEachCore(shape, [&function, part = part](const qcConvexCore& core, const btTransform& place)
+                              { function(core.mesh.get(), place, part); });
+}
+/// The meshes and cores that qcForEachSwept finds.
 std::vector<qcSweptSource> qcCollectSwept(const btCollisionShape* shape, qcConvexCores* cores,
                                           qcConvexCores* innerCores);
 /// Reads these meshes, which may deform in a later step.

@@ -6,10 +6,15 @@
 bool qcSweptObject::EnclosesAtStart(qcSweptPart core, const qcSweptObject& other) const
 {
     for (const qcSweptMesh& own : meshes)
+    {
+        if (own.part != core)
+            continue;
+        const btTransform place = start * own.local;
         for (const qcSweptMesh& mesh : other.meshes)
-            if (own.part == core && mesh.part == qcSweptPart::mesh && mesh.triangles->count > 0 &&
-                own.Encloses((start * own.local).invXform(other.start * (mesh.local * mesh.PointOf(0, 0, true)))))
+            if (mesh.part == qcSweptPart::mesh && mesh.triangles->count > 0 &&
+                own.Encloses(place.invXform(other.start * (mesh.local * mesh.PointOf(0, 0, true)))))
                 return true;
+    }
     return false;
 }
 

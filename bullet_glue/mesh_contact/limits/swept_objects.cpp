@@ -280,6 +280,7 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
         qcSweptStarts::FindByVelocities(m_timeStep, &swept);
     swept.carried = swept.start;
     swept.isLookedUp = false;
+    swept.children.Clear();
     swept.pushes = 0;
     swept.fraction = 1;
     swept.FindTravel();

@@ -27,21 +27,29 @@ void qcSweptScene::CollectObjects()
 /// Brings the scene's meshes of an object up to date.
 qcStatus qcSweptScene::AddMeshes(qcSweptObject* swept)
 {
-    const std::vector<qcSweptSource> present = qcCollectSwept(swept->object->getCollisionShape(), swept->cores,
-                                                              swept->cores != nullptr ? swept->innerCores : nullptr);
-    auto isSame = [](const qcSweptMesh& mesh, const qcSweptSource& now)
-    {
-        return mesh.part == now.part && mesh.shape == now.mesh.shape && qcAreSame(mesh.local, now.mesh.transform) &&
-               mesh.revision == qcMeshRevision(now.mesh.shape);
-    };
+    const btCollisionShape* shape = swept->object->getCollisionShape();
+    qcConvexCores* innerCores = swept->cores != nullptr ? swept->innerCores : nullptr;
     // Convex shapes join the meshes only while they may pass one: those that are there go on, with their motion.
-    const auto [firstOther, firstNew] =
-        std::mismatch(swept->meshes.begin(), swept->meshes.end(), present.begin(), present.end(), isSame);
-    for (auto mesh = firstOther; mesh != swept->meshes.end(); ++mesh)
-        mesh->RemoveFrom(m_scene);
-    swept->meshes.erase(firstOther, swept->meshes.end());
-    for (auto source = firstNew; source != present.end(); ++source)
-        swept->meshes.emplace_back(*source, swept->body == nullptr);
+    size_t sameCount = 0, count = 0;
+    auto compare = [&](const btCollisionShape* simple, const btTransform& local, qcSweptPart part)
+    {
+        if (sameCount == count++ && sameCount < swept->meshes.size())
+        {
+            const qcSweptMesh& mesh = swept->meshes[sameCount];
+            sameCount += mesh.part == part && mesh.shape == simple && qcAreSame(mesh.local, local) &&
+                         mesh.revision == qcMeshRevision(simple);
+        }
+    };
+    qcForEachSwept(shape, swept->cores, innerCores, compare);
+    for (size_t i = sameCount; i < swept->meshes.size(); i++)
+        swept->meshes[i].RemoveFrom(m_scene);
+    swept->meshes.erase(swept->meshes.begin() + ptrdiff_t(sameCount), swept->meshes.end());
+    if (sameCount < count)
+    {
+        const std::vector<qcSweptSource> present = qcCollectSwept(shape, swept->cores, innerCores);
+        for (size_t i = sameCount; i < count; i++)
+            swept->meshes.emplace_back(present[i], swept->body == nullptr);
+    }
     for (size_t i = 0; i < swept->meshes.size(); i++)
     {
         qcSweptMesh& mesh = swept->meshes[i];

@@ -3,6 +3,7 @@
 #define QC_GLUE_MESH_CONTACT_LIMITS_SWEPT_SHAPE_H
 
 #include "mesh_contact/limits/convex_cores.h"
+#include "mesh_contact/limits/swept_children.h"
 #include "mesh_contact/limits/swept_floor.h"
 #include "mesh_contact/limits/swept_mesh.h"
 
@@ -32,6 +33,7 @@ struct qcSweptShape
 
     const qcSupportMesh* hull = nullptr; ///< the mesh or core, if there is one small one and nothing else
     std::vector<qcSweptHull> hulls;      ///< all that is tested; empty: hulls are not all
+    qcSweptChildren children;            ///< of a compound at rest that hulls come near; read once a step
     std::vector<qcSweptFloor> floors;    ///< of a dynamic body that consists of one small mesh
 
     /// True if a mesh deforms in the step.

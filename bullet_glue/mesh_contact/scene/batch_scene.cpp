@@ -145,14 +145,21 @@ void qcBatchScene::Measure(const btCollisionShape& root, qcBatchObject* object) 
 
 bool qcBatchScene::IsUnchanged(const btCollisionObject* object, const qcBatchObject& gathered) const
 {
-    m_present.clear();
-    qcCollectMeshes(object->getCollisionShape(), btTransform::getIdentity(), &m_present);
-    auto isSame = [](const qcBatchMesh& mesh, const qcBatchMesh& now)
+    size_t count = 0;
+    bool isSame = true;
+    auto compare = [&](const btCollisionShape* shape, const btTransform& local)
     {
-        return mesh.shape == now.shape && mesh.margin == now.shape->getMargin() &&
-               mesh.revision == qcMeshRevision(now.shape) && qcAreSame(mesh.local, now.transform);
+        if (!isSame || !qcIsMesh(shape))
+            return;
+        isSame = count < gathered.meshes.size();
+        if (!isSame)
+            return;
+        const qcBatchMesh& mesh = gathered.meshes[count++];
+        isSame = mesh.shape == shape && mesh.margin == shape->getMargin() && mesh.revision == qcMeshRevision(shape) &&
+                 qcAreSame(mesh.local, local);
     };
-    return std::equal(gathered.meshes.begin(), gathered.meshes.end(), m_present.begin(), m_present.end(), isSame);
+    qcForEachSimpleShape(object->getCollisionShape(), btTransform::getIdentity(), compare);
+    return isSame && count == gathered.meshes.size();
 }
 
 bool qcBatchScene::Refresh(const btCollisionObject* object, qcBatchObject* gathered)
@@ -160,6 +167,8 @@ bool qcBatchScene::Refresh(const btCollisionObject* object, qcBatchObject* gathe
     if (IsUnchanged(object, *gathered))
         return false;
     gathered->version = ++m_lastVersion;
+    m_present.clear();
+    qcCollectMeshes(object->getCollisionShape(), btTransform::getIdentity(), &m_present);
     for (qcBatchMesh& mesh : m_present)
     {
         mesh.revision = qcMeshRevision(mesh.shape);
@@ -180,6 +189,10 @@ bool qcBatchScene::Refresh(const btCollisionObject* object, qcBatchObject* gathe
         gathered->meshes.swap(m_present);
     }
     Measure(*object->getCollisionShape(), gathered);
+    std::vector<btVector3> origins;
+    for (const qcBatchMesh& mesh : gathered->meshes)
+        origins.push_back(mesh.local.getOrigin());
+    gathered->places = qcMeshPlaces(origins, gathered->tolerance);
     return true;
 }
 
@@ -216,6 +229,7 @@ void qcBatchScene::Update(const btCollisionObject* object, qcBatchObject* gather
         return;
     gathered->gathered = m_gathering;
     gathered->pairDistance = 0;
+    gathered->isPlaced = false;
     gathered->edgeLength = BT_LARGE_FLOAT;
     for (qcBatchMesh& mesh : gathered->meshes)
     {
@@ -320,11 +334,15 @@ void qcBatchScene::UpdateScene(const btCollisionObject* object, qcBatchObject* g
     qcActivity activity = object->isActive()   ? qc_activityMoving
                           : qcIsStatic(object) ? qc_activityStatic
                                                : qc_activitySleeping;
+    gathered->isPlaced = true;
+    gathered->minReach = BT_LARGE_FLOAT;
     for (qcBatchMesh& mesh : gathered->meshes)
     {
         qcStatus status = UpdateMesh(&mesh, *gathered, activity);
         if (status != qc_statusOk)
             m_status = status;
+        gathered->isPlaced = gathered->isPlaced && mesh.placed;
+        gathered->minReach = std::min(gathered->minReach, mesh.reach);
     }
     gathered->activity = activity;
 }

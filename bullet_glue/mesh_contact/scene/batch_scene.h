@@ -6,7 +6,9 @@
 #include "common/object_key.h"
 #include "common/rigid_motion.h"
 #include "common/shape_triangles.h"
+#include "mesh_contact/scene/mesh_places.h"
 
+#include <algorithm>
 #include <unordered_map>
 
 /// A mesh of an object.
@@ -72,7 +74,17 @@ struct qcBatchObject
     bool isChanged = false;          ///< result of that check: nothing that is known of its pairs holds
     bool isFinite = true;            ///< result of that check
     std::vector<qcBatchMesh> meshes;
+    qcMeshPlaces places;   ///< of the meshes
+    bool isPlaced = false; ///< all meshes are in the scene, since the last gathering of the object
+    btScalar minReach = 0; ///< the smallest of the meshes
 
+    /// Null: no mesh is placed.
+    const qcBatchMesh* FirstPlaced() const
+    {
+        auto isPlacedMesh = [](const qcBatchMesh& mesh) { return mesh.placed; };
+        auto first = std::find_if(meshes.begin(), meshes.end(), isPlacedMesh);
+        return first != meshes.end() ? &*first : nullptr;
+    }
     /// True if contact of the two is computed here.
     bool MeetsHere(const qcBatchObject& other) const
     {
@@ -185,8 +197,8 @@ class qcBatchScene
     const qcBatchSettings& m_settings;
     qcScene* m_scene = nullptr;
     std::unordered_map<qcObjectKey, qcBatchObject, qcObjectKeyHash> m_objects;
-    mutable std::vector<qcBatchMesh> m_present; ///< scratch
-    uint64_t m_gathering = 0;                   ///< number of the last gathering
+    std::vector<qcBatchMesh> m_present; ///< scratch
+    uint64_t m_gathering = 0;           ///< number of the last gathering
     qcIdCounter m_owners;
     uint64_t m_lastVersion = 0;
     int m_bodyCount = 0;

@@ -150,6 +150,33 @@ START_TEST(what_passes_none_meets_none)
 }
 END_TEST
 
+/// Moves random parts until they just touch meshes at rest: then their path is not clear. True if it is shortly before.
+bool IsClearUntilItTouches(qcRandomNumbers* random, int run, const Still& still)
+{
+    Moving moving;
+    AddRandomParts(random, run % 4, &moving);
+    const btTransform start = still.swept.start * RandomFrame(random, 2);
+    const btVector3 motion = random->Vector(1);
+    auto move = [&](btScalar part)
+    {
+        moving.swept.start = moving.swept.end = start;
+        moving.swept.end.getOrigin() += part * motion;
+        return MeetsNone(moving, still);
+    };
+    if (!move(0) || move(1))
+        return false;
+    btScalar apart = 0, together = 1;
+    for (int i = 0; i < 20; i++)
+    {
+        const btScalar middle = (apart + together) / 2;
+        (move(middle) ? apart : together) = middle;
+    }
+    for (double further : {0.0, 1e-6, 1e-4, 1e-2})
+        ck_assert(move(together + btScalar(further)) || !qcHasClearPath(moving.swept, still.swept));
+    // A gap of 2 % of the motion is enough.
+    return apart > btScalar(0.02) && move(apart - btScalar(0.02)) && qcHasClearPath(moving.swept, still.swept);
+}
+
 START_TEST(what_just_touches_is_not_clear)
 {
     qcRandomNumbers random(8);
@@ -158,30 +185,88 @@ START_TEST(what_just_touches_is_not_clear)
     {
         const btTransform place = RandomFrame(&random, s_distances[run % 4]);
         const Still still(RandomModel(&random, run % 5), place);
-        Moving moving;
-        AddRandomParts(&random, run % 4, &moving);
-        const btTransform start = place * RandomFrame(&random, 2);
-        const btVector3 motion = random.Vector(1);
-        auto move = [&](btScalar part)
-        {
-            moving.swept.start = moving.swept.end = start;
-            moving.swept.end.getOrigin() += part * motion;
-            return MeetsNone(moving, still);
-        };
-        if (!move(0) || move(1))
-            continue;
-        btScalar apart = 0, together = 1;
-        for (int i = 0; i < 20; i++)
-        {
-            const btScalar middle = (apart + together) / 2;
-            (move(middle) ? apart : together) = middle;
-        }
-        for (double further : {0.0, 1e-6, 1e-4, 1e-2})
-            ck_assert(move(together + btScalar(further)) || !qcHasClearPath(moving.swept, still.swept));
-        // A gap of 2 % of the motion is enough.
-        found += apart > btScalar(0.02) && move(apart - btScalar(0.02)) && qcHasClearPath(moving.swept, still.swept);
+        found += IsClearUntilItTouches(&random, run, still);
     }
     ck_assert_int_gt(found, s_pathRuns / 20);
+}
+END_TEST
+
+/// A compound of random meshes at rest, some of them in compounds of their own, and its triangles.
+struct StillCompound
+{
+    std::vector<std::unique_ptr<btCollisionShape>> shapes;
+    btCompoundShape compound;
+    Still still{{}, btTransform::getIdentity()};
+
+    /// `extent`: of the places of the meshes.
+    StillCompound(qcRandomNumbers* random, int count, double extent, const btTransform& place)
+    {
+        for (int i = 0; i < count; i++)
+        {
+            qcModel model = RandomModel(random, int(random->Number(0, 5)));
+            btTransform local = RandomFrame(random, extent), inner = RandomFrame(random, 1);
+            // The boxes of turned ones are loose.
+            if (random->Number(0, 1) < btScalar(0.5))
+            {
+                local.setBasis(btMatrix3x3::getIdentity());
+                inner.setBasis(btMatrix3x3::getIdentity());
+            }
+            shapes.push_back(model.MakeShape(0));
+            if (i % 3 == 0)
+            {
+                auto nested = std::make_unique<btCompoundShape>();
+                nested->addChildShape(inner, shapes.back().get());
+                shapes.push_back(std::move(nested));
+                model.Move(inner);
+            }
+            compound.addChildShape(local, shapes.back().get());
+            model.Move(local);
+            still.model.Append(model);
+        }
+        still.object.setCollisionShape(&compound);
+        still.object.setWorldTransform(place);
+        still.swept.start = still.swept.end = place;
+    }
+};
+
+START_TEST(what_just_touches_a_child_is_not_clear)
+{
+    qcRandomNumbers random(9);
+    int found = 0;
+    for (int run = 0; run < s_pathRuns; run++)
+    {
+        const btTransform place = RandomFrame(&random, s_distances[run % 4]);
+        StillCompound level(&random, 1 + run % 3, 1, place);
+        level.still.swept.children.Read(&level.compound);
+        found += IsClearUntilItTouches(&random, run, level.still);
+    }
+    ck_assert_int_gt(found, s_pathRuns / 20);
+}
+END_TEST
+
+START_TEST(children_that_are_not_on_the_way_need_no_test)
+{
+    qcRandomNumbers random(12);
+    int clear = 0, met = 0;
+    for (int run = 0; run < s_pathRuns; run++)
+    {
+        const btTransform place = RandomFrame(&random, s_distances[run % 4]);
+        StillCompound level(&random, 1 + run % 20, 6, place);
+        Moving moving;
+        AddRandomParts(&random, run % 4, &moving);
+        moving.swept.start = place * RandomFrame(&random, 4);
+        moving.swept.end = moving.swept.start * RandomFrame(&random, run % 3 == 0 ? 2 : 0.2);
+        const bool isClear = qcHasClearPath(moving.swept, level.still.swept);
+        level.still.swept.children.Read(&level.compound);
+        const bool isReadClear = qcHasClearPath(moving.swept, level.still.swept);
+        // A plane between boxes is one between what they have.
+        ck_assert(isReadClear || !isClear);
+        ck_assert_msg(!isReadClear || MeetsNone(moving, level.still), "run %d", run);
+        clear += isReadClear;
+        met += !isReadClear;
+    }
+    ck_assert_int_gt(clear, s_pathRuns / 4);
+    ck_assert_int_gt(met, s_pathRuns / 10);
 }
 END_TEST
 
@@ -206,7 +291,12 @@ START_TEST(only_hulls_and_meshes_at_rest_count)
     floors.addChildShape(btTransform::getIdentity(), &plane);
     still.object.setCollisionShape(&floors);
     ck_assert(!qcHasClearPath(moving.swept, still.swept));
+    still.swept.children.Read(&floors);
+    ck_assert(!qcHasClearPath(moving.swept, still.swept));
     floors.removeChildShape(&plane);
+    still.swept.children.Read(&floors);
+    ck_assert(qcHasClearPath(moving.swept, still.swept));
+    still.swept.children.Clear();
     ck_assert(qcHasClearPath(moving.swept, still.swept));
     moving.swept.hulls.clear();
     ck_assert(!qcHasClearPath(moving.swept, still.swept));
@@ -214,4 +304,5 @@ START_TEST(only_hulls_and_meshes_at_rest_count)
 END_TEST
 
 QC_RUN_TESTS("clear paths", what_passes_none_meets_none, what_just_touches_is_not_clear,
+             what_just_touches_a_child_is_not_clear, children_that_are_not_on_the_way_need_no_test,
              only_hulls_and_meshes_at_rest_count)

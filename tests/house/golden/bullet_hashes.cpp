@@ -75,6 +75,67 @@ void HashPile(const char* name, unsigned threads, bool mixed)
     w.PrintAs(name);
 }
 
+/// Adds random meshes to a compound, some of them in compounds of their own, and some twice.
+void AddRandomChildren(RigidWorld& w, qcRandom& random, uint32_t count, double size, btCompoundShape* compound)
+{
+    for (uint32_t i = 0; i < count; i++)
+    {
+        const btTransform place(Turn(random), Point(random, -size, size));
+        btCollisionShape* child = w.bodies.Keep(MakeShape(Model(MakeMesh(i))));
+        if (size > 0.5 && i % 3 == 2)
+        {
+            auto inner = std::make_unique<btCompoundShape>();
+            AddRandomChildren(w, random, 3, size / 2, inner.get());
+            child = w.bodies.Keep(std::move(inner));
+        }
+        compound->addChildShape(place, child);
+        if (i % 5 == 4)
+            compound->addChildShape(place, child);
+    }
+}
+
+/// Compounds of meshes are thrown at each other above a level of tiles, and one that the application moves; one of them
+/// loses a child.
+void HashCompounds(const char* name, unsigned threads, double speed)
+{
+    RigidWorld w(threads);
+    qcRandom random = {uint64_t(speed) + 5};
+    auto level = std::make_unique<btCompoundShape>();
+    btCollisionShape* tile = w.bodies.Keep(MakeShape(Model(MakeFloor(2, 0.5))));
+    for (int i = 0; i < 64; i++)
+        level->addChildShape(btTransform(btQuaternion(btVector3(0, 1, 0), btScalar(0.1 * (i % 3))),
+                                         btVector3(btScalar(i % 8 - 3.5), 0, btScalar(i / 8 - 3.5))),
+                             tile);
+    w.bodies.Add(w.world, w.bodies.Keep(std::move(level)), 0, btVector3(0, 0, 0));
+    std::vector<btCompoundShape*> compounds;
+    for (uint32_t i = 0; i < 8; i++)
+    {
+        auto compound = std::make_unique<btCompoundShape>(i % 2 == 0);
+        AddRandomChildren(w, random, 4 + i, 0.6, compound.get());
+        compounds.push_back(compound.get());
+        const btVector3 at = Point(random, -0.4, 0.4) + btVector3(btScalar(i % 2 * 2) - 1, btScalar(2 + i), 0);
+        btRigidBody* body = w.bodies.Add(w.world, w.bodies.Keep(std::move(compound)), i > 0 ? 2 : 0, at, Turn(random));
+        if (i == 0)
+        {
+            body->setCollisionFlags(body->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+            body->setActivationState(DISABLE_DEACTIVATION);
+        }
+        body->setLinearVelocity((btVector3(0, 1, 0) - at).normalized() * btScalar(speed));
+        body->setAngularVelocity(Point(random, -speed / 2, speed / 2));
+    }
+    for (int step = 0; step < 60; step++)
+    {
+        btRigidBody* moved = w.bodies.bodies[1].get();
+        btTransform place(moved->getWorldTransform());
+        place.getOrigin() += btVector3(btScalar(0.02), btScalar(-0.01), 0);
+        moved->setWorldTransform(place);
+        if (step == 20)
+            compounds[3]->removeChildShapeByIndex(1);
+        w.Step();
+    }
+    w.PrintAs(name);
+}
+
 //  ---- the broadphase ----------------------------------------------------------------------------------------------
 
 struct RayHits : btBroadphaseRayCallback
@@ -412,6 +473,8 @@ int main()
     HashPile("pile", 1, false);
     HashPile("pile/threads", 2, false);
     HashPile("pile/mixed", 1, true);
+    HashCompounds("compounds/slow", 1, 0.5);
+    HashCompounds("compounds/fast", 2, 30);
     HashBroadphase("broadphase/few", 32);
     HashBroadphase("broadphase/many", 120);
     HashSoft("soft", 1, false);
