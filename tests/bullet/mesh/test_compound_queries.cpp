@@ -26,7 +26,7 @@ btCollisionShape* MakeCube(qcMeshWorld* made, btScalar half)
     return made->Keep(qcBoxModel(btVector3(half, half, half), 2).MakeShape());
 }
 
-btCollisionShape* MakeCompound(qcMeshWorld* made, btCollisionShape* child)
+btCollisionShape* InCompound(qcMeshWorld* made, btCollisionShape* child)
 {
     std::unique_ptr<btCompoundShape> compound(new btCompoundShape());
     compound->addChildShape(btTransform::getIdentity(), child);
@@ -46,7 +46,7 @@ btCollisionShape* MakeLoad(qcMeshWorld* made, int kind)
     btCollisionShape* shape = MakeCube(made, btScalar(0.5));
     if (kind == load_box)
         return made->Keep(std::unique_ptr<btCollisionShape>(new btBoxShape(btVector3(1, 1, 1) / 2)));
-    return kind == load_compound ? MakeCompound(made, shape) : shape;
+    return kind == load_compound ? InCompound(made, shape) : shape;
 }
 
 START_TEST(a_moving_platform_is_where_it_is)
@@ -55,7 +55,7 @@ START_TEST(a_moving_platform_is_where_it_is)
     {
         qcMeshWorld made;
         btCollisionShape* mesh = MakeCube(&made, 1);
-        btRigidBody* platform = made.Add(isCompound ? MakeCompound(&made, mesh) : mesh, 0, btVector3(0, 0, 0));
+        btRigidBody* platform = made.Add(isCompound ? InCompound(&made, mesh) : mesh, 0, btVector3(0, 0, 0));
         platform->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
         platform->setActivationState(DISABLE_DEACTIVATION);
         btRigidBody* load = made.Add(MakeLoad(&made, _i), 1, btVector3(0, btScalar(1.55), 0));
@@ -96,7 +96,7 @@ START_TEST(a_query_is_no_part_of_a_step)
         made.Add(made.Keep(qcBoxModel(btVector3(btScalar(0.1), 5, 5), 2).MakeShape()), 0, btVector3(0, 0, 0));
         made.Add(MakeCube(&made, btScalar(0.3)), 0, btVector3(-2, -1, 0));
         btRigidBody* body =
-            made.Add(MakeCompound(&made, MakeCube(&made, btScalar(0.3))), 1, btVector3(-2, btScalar(-0.385), 0));
+            made.Add(InCompound(&made, MakeCube(&made, btScalar(0.3))), 1, btVector3(-2, btScalar(-0.385), 0));
         body->setActivationState(DISABLE_DEACTIVATION);
         body->setLinearVelocity(btVector3(0, 0, btScalar(0.3)));
         made.Step(5);
@@ -142,9 +142,9 @@ bool RefuseAll(const btCollisionShape* /*shape0*/, const btCollisionShape* /*sha
 START_TEST(the_filter_of_children_of_two_compounds_is_called)
 {
     qcMeshWorld made;
-    btRigidBody* platform = made.Add(MakeCompound(&made, MakeCube(&made, 1)), 0, btVector3(0, 0, 0));
+    btRigidBody* platform = made.Add(InCompound(&made, MakeCube(&made, 1)), 0, btVector3(0, 0, 0));
     platform->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-    made.Add(MakeCompound(&made, MakeCube(&made, btScalar(0.5))), 1, btVector3(0, btScalar(1.5), 0));
+    made.Add(InCompound(&made, MakeCube(&made, btScalar(0.5))), 1, btVector3(0, btScalar(1.5), 0));
     gCompoundCompoundChildShapePairCallback = RefuseAll;
     made.Step(10);
     gCompoundCompoundChildShapePairCallback = nullptr;
