@@ -2,6 +2,7 @@
 #include "mesh_contact/inner_edges.h"
 
 #include "common/rigid_motion.h"
+#include "common/shape_triangles.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/CollisionShapes/btConvexShape.h>
