@@ -54,17 +54,34 @@ struct Box
     }
 };
 
-/// The box of a part at the start and at the end of the step. Boxes of what rests on a body touch those of the body,
-/// up to the distance of contact points.
-Box SweptBox(const btCollisionObject& object, const btCollisionShape& shape, const btTransform& end, btScalar timeStep)
+/// Where an object, or a part of it, starts and ends the step.
+struct Travel
 {
-    Box box(shape, end);
-    if (!object.isKinematicObject())
+    btTransform start, end;
+    bool isLed; ///< of a kinematic body: otherwise the start is the end
+
+    Travel(const btCollisionObjectWrapper& body, btScalar timeStep)
+        : start(qcKinematicStart(*body.getCollisionObject(), body.getWorldTransform(), timeStep)),
+          end(body.getWorldTransform()), isLed(body.getCollisionObject()->isKinematicObject())
+    {
+    }
+};
+
+btVector3 Slack()
+{
+    return btVector3(gContactBreakingThreshold, gContactBreakingThreshold, gContactBreakingThreshold);
+}
+
+/// The box of a shape at the start and at the end of the step. Boxes of what rests on a body touch those of the body,
+/// up to the distance of contact points. `local`: of the shape, in the frame of what travels.
+Box SweptBox(const btCollisionShape& shape, const Travel& travel, const btTransform& local)
+{
+    Box box(shape, travel.end * local);
+    if (!travel.isLed)
         return box;
-    Box start(shape, qcKinematicStart(object, end, timeStep));
-    const btVector3 slack(gContactBreakingThreshold, gContactBreakingThreshold, gContactBreakingThreshold);
-    start.lower -= slack;
-    start.upper += slack;
+    Box start(shape, travel.start * local);
+    start.lower -= Slack();
+    start.upper += Slack();
     box.Add(start);
     return box;
 }
@@ -75,11 +92,9 @@ const btCompoundShape& ShapeOf(const btCollisionObjectWrapper& compound)
 }
 
 /// True if a child of the compound overlaps a box in the step.
-bool Overlaps(const btCollisionObjectWrapper& compound, int child, btScalar timeStep, const Box& other)
+bool Overlaps(const btCompoundShape& compound, int child, const Travel& travel, const Box& other)
 {
-    const btCompoundShape& shape = ShapeOf(compound);
-    const Box box = SweptBox(*compound.getCollisionObject(), *shape.getChildShape(child),
-                             compound.getWorldTransform() * shape.getChildTransform(child), timeStep);
+    const Box box = SweptBox(*compound.getChildShape(child), travel, compound.getChildTransform(child));
     return TestAabbAgainstAabb2(box.lower, box.upper, other.lower, other.upper);
 }
 
@@ -128,30 +143,24 @@ struct ChildCollector : btDbvt::ICollide
 };
 
 /// The children that may overlap the other shape in the step.
-void FindChildren(const btCollisionObjectWrapper& compound, const btCollisionObjectWrapper& other, btScalar timeStep,
-                  ChildCollector* collector)
+void FindChildren(const btCompoundShape& compound, const Travel& travel, const btCollisionShape& other,
+                  const Travel& otherTravel, ChildCollector* collector)
 {
-    const btCompoundShape& shape = ShapeOf(compound);
-    const btDbvt* tree = shape.getDynamicAabbTree();
+    const btDbvt* tree = compound.getDynamicAabbTree();
     if (tree == nullptr)
     {
-        for (int i = 0; i < shape.getNumChildShapes(); i++)
+        for (int i = 0; i < compound.getNumChildShapes(); i++)
             collector->children.push_back(i);
         return;
     }
-    const btCollisionObject &compoundObject = *compound.getCollisionObject(),
-                            &otherObject = *other.getCollisionObject();
-    const btTransform &compoundEnd = compound.getWorldTransform(), &otherEnd = other.getWorldTransform();
-    Box box(*other.getCollisionShape(), compoundEnd.inverse() * otherEnd);
-    box.Add(Box(*other.getCollisionShape(), qcKinematicStart(compoundObject, compoundEnd, timeStep).inverse() *
-                                                qcKinematicStart(otherObject, otherEnd, timeStep)));
-    const btVector3 slack(gContactBreakingThreshold, gContactBreakingThreshold, gContactBreakingThreshold);
-    btDbvtVolume volume = btDbvtVolume::FromMM(box.lower - slack, box.upper + slack);
+    Box box(other, travel.end.inverse() * otherTravel.end);
+    box.Add(Box(other, travel.start.inverse() * otherTravel.start));
+    btDbvtVolume volume = btDbvtVolume::FromMM(box.lower - Slack(), box.upper + Slack());
     tree->collideTV(tree->m_root, volume, *collector);
 }
 } // namespace
 
-/// As Bullet's algorithm does, and so at one level: nested compounds refresh those of their own children.
+/// As Bullet's algorithm does, before it finds points.
 void qcCompoundMeshAlgorithm::RefreshManifolds(btManifoldResult* result)
 {
     btManifoldArray manifolds;
@@ -168,8 +177,6 @@ void qcCompoundMeshAlgorithm::RefreshManifolds(btManifoldResult* result)
 void qcCompoundMeshAlgorithm::RemoveChild(int child)
 {
     btCollisionAlgorithm*& algorithm = m_childCollisionAlgorithms[child];
-    if (algorithm == nullptr)
-        return;
     algorithm->~btCollisionAlgorithm();
     m_dispatcher->freeCollisionAlgorithm(algorithm);
     algorithm = nullptr;
@@ -228,16 +235,16 @@ void qcCompoundMeshAlgorithm::processCollision(const btCollisionObjectWrapper* b
         m_compoundShapeRevision = ShapeOf(compound).getUpdateRevision();
     }
     RefreshManifolds(result);
-    const btScalar timeStep = dispatchInfo.m_timeStep;
-    const Box box =
-        SweptBox(*other.getCollisionObject(), *other.getCollisionShape(), other.getWorldTransform(), timeStep);
+    const btCompoundShape& shape = ShapeOf(compound);
+    const Travel travel(compound, dispatchInfo.m_timeStep), otherTravel(other, dispatchInfo.m_timeStep);
+    const Box box = SweptBox(*other.getCollisionShape(), otherTravel, btTransform::getIdentity());
     ChildCollector found;
-    FindChildren(compound, other, timeStep, &found);
+    FindChildren(shape, travel, *other.getCollisionShape(), otherTravel, &found);
     for (int i = 0; i < found.children.size(); i++)
-        if (Overlaps(compound, found.children[i], timeStep, box))
+        if (Overlaps(shape, found.children[i], travel, box))
             ProcessChild(compound, other, found.children[i], dispatchInfo, result);
     for (int child = 0; child < m_childCollisionAlgorithms.size(); child++)
-        if (m_childCollisionAlgorithms[child] != nullptr && !Overlaps(compound, child, timeStep, box))
+        if (m_childCollisionAlgorithms[child] != nullptr && !Overlaps(shape, child, travel, box))
             RemoveChild(child);
 }
 

@@ -37,41 +37,23 @@ static void Forget(qcNameKind kind, GLsizei count, const GLuint* deleted)
     }
 }
 
-static void APIENTRY GenBuffers(GLsizei count, GLuint* made)
-{
-    s_names->driver.GenBuffers(count, made);
-    Note(qc_nameBuffer, count, made);
-}
+/// Functions of names in arrays, which make and delete objects of a kind.
+#define QC_NOTING(kind, Make, Drop)                                                                                    \
+    static void APIENTRY Make(GLsizei count, GLuint* made)                                                             \
+    {                                                                                                                  \
+        s_names->driver.Make(count, made);                                                                             \
+        Note(kind, count, made);                                                                                       \
+    }                                                                                                                  \
+    static void APIENTRY Drop(GLsizei count, const GLuint* names)                                                      \
+    {                                                                                                                  \
+        s_names->driver.Drop(count, names);                                                                            \
+        Forget(kind, count, names);                                                                                    \
+    }
 
-static void APIENTRY DeleteBuffers(GLsizei count, const GLuint* names)
-{
-    s_names->driver.DeleteBuffers(count, names);
-    Forget(qc_nameBuffer, count, names);
-}
-
-static void APIENTRY GenTextures(GLsizei count, GLuint* made)
-{
-    s_names->driver.GenTextures(count, made);
-    Note(qc_nameTexture, count, made);
-}
-
-static void APIENTRY DeleteTextures(GLsizei count, const GLuint* names)
-{
-    s_names->driver.DeleteTextures(count, names);
-    Forget(qc_nameTexture, count, names);
-}
-
-static void APIENTRY GenRenderbuffers(GLsizei count, GLuint* made)
-{
-    s_names->driver.GenRenderbuffers(count, made);
-    Note(qc_nameRenderbuffer, count, made);
-}
-
-static void APIENTRY DeleteRenderbuffers(GLsizei count, const GLuint* names)
-{
-    s_names->driver.DeleteRenderbuffers(count, names);
-    Forget(qc_nameRenderbuffer, count, names);
-}
+QC_NOTING(qc_nameBuffer, GenBuffers, DeleteBuffers)
+QC_NOTING(qc_nameTexture, GenTextures, DeleteTextures)
+QC_NOTING(qc_nameRenderbuffer, GenRenderbuffers, DeleteRenderbuffers)
+QC_NOTING(qc_nameMemory, CreateMemoryObjects, DeleteMemoryObjects)
 
 static GLuint APIENTRY CreateProgram(void)
 {
@@ -84,18 +66,6 @@ static void APIENTRY DeleteProgram(GLuint name)
 {
     s_names->driver.DeleteProgram(name);
     Forget(qc_nameProgram, 1, &name);
-}
-
-static void APIENTRY CreateMemoryObjects(GLsizei count, GLuint* made)
-{
-    s_names->driver.CreateMemoryObjects(count, made);
-    Note(qc_nameMemory, count, made);
-}
-
-static void APIENTRY DeleteMemoryObjects(GLsizei count, const GLuint* names)
-{
-    s_names->driver.DeleteMemoryObjects(count, names);
-    Forget(qc_nameMemory, count, names);
 }
 
 static void Delete(const struct qcGlFunctions* driver, qcNameKind kind, GLuint name)
