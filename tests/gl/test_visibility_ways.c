@@ -278,6 +278,50 @@ START_TEST(what_is_prepared_serves_other_triangles)
 }
 END_TEST
 
+START_TEST(images_of_other_sizes_on_a_device_make_no_difference)
+{
+    static const uint32_t resolutions[2] = {64, 200};
+    qcSoup soup = qcSoup_MakeRandom(1, 40, 0.2);
+    float* corners = MakeCorners(&soup);
+    qcVisibilityStep* steps = malloc(soup.triangleCount * sizeof *steps);
+    uint8_t *expected = malloc(soup.triangleCount), *visible = malloc(soup.triangleCount);
+    for (uint32_t t = 0; t < soup.triangleCount; t++)
+        steps[t] = (qcVisibilityStep){t, 1, true, true};
+    QC_FOR_EACH_DEVICE(device)
+    {
+        for (int way = 0; way < 2 * qc_wayCount; way++)
+        {
+            qcVisibility* kept[2] = {NULL, NULL};
+            for (int i = 0; i < 6; i++)
+            {
+                qcVisibilityDef def = {.device = device,
+                                       .corners = corners,
+                                       .triangleCount = soup.triangleCount,
+                                       .resolution = resolutions[i % 2],
+                                       .dilated = way % 2 == 1,
+                                       .dilation = {0.001, 0.001, 0.001}};
+                const qcVisibilityPass pass = {2, qc_compareGreater, false};
+                RunWay(0, &def, &pass, steps, soup.triangleCount, expected);
+                ck_assert_ptr_nonnull(memchr(expected, 1, soup.triangleCount));
+                setenv("QC_VISIBILITY", s_ways[way / 2], 1);
+                CHECK_OK(qcVisibility_Prepare(&def, &kept[i % 2]));
+                unsetenv("QC_VISIBILITY");
+                CHECK_OK(qcVisibility_RunPass(kept[i % 2], &pass, steps, soup.triangleCount, visible));
+                ck_assert_msg(memcmp(visible, expected, soup.triangleCount) == 0, "%s, image %d", s_ways[way / 2], i);
+            }
+            qcVisibility_Destroy(kept[0]);
+            qcVisibility_Destroy(kept[1]);
+        }
+    }
+    free(visible);
+    free(expected);
+    free(steps);
+    free(corners);
+    qcSoup_Free(&soup);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
 START_TEST(equal_depths_of_dilated_triangles_hide_as_the_comparison_says)
 {
     // Dilated by 1/4 and 2^-20, the first one's nearest depth is the second one's farthest.
@@ -540,6 +584,7 @@ END_TEST
 QC_RUN_TESTS_ON_DEVICES("visibility, each way", random_passes_have_the_same_results_each_way,
                         slivers_have_the_same_results_each_way, a_batch_of_thousands_of_tests_flags_the_right_ones,
                         triangles_of_any_size_have_the_same_results_each_way, what_is_prepared_serves_other_triangles,
+                        images_of_other_sizes_on_a_device_make_no_difference,
                         equal_depths_of_dilated_triangles_hide_as_the_comparison_says, most_results_of_a_cloth_are_sure,
                         the_device_finds_what_the_processor_finds, counted_tests_of_a_cloth_need_one_batch,
                         scenes_have_the_same_pcs_each_way)

@@ -95,22 +95,21 @@ enum
     qc_usualPolygons = 4 ///< of a triangle in a pass, if it is not in many tiles
 };
 
-static uint64_t MaxBytes(uint32_t triangleCount, bool dilated)
+bool qcFragmentFlags_AreSupported(const struct qcGlFunctions* gl, bool dilated, uint32_t* maxTriangles)
 {
-    const uint64_t corners = dilated ? qc_dilatedCorners * sizeof(qcDilatedCorner) : 9 * sizeof(float);
-    const uint64_t polygons = qc_usualPolygons * sizeof(qcSchedulePolygon);
-    return triangleCount * (corners > polygons ? corners : polygons);
-}
-
-bool qcFragmentFlags_AreSupported(const struct qcGlFunctions* gl, uint32_t triangleCount, bool dilated)
-{
+    *maxTriangles = 0;
     if (gl->DispatchCompute == NULL)
         return false;
     GLint vertexBlocks = 0, fragmentBlocks = 0;
     gl->GetIntegerv(GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS, &vertexBlocks);
     gl->GetIntegerv(GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS, &fragmentBlocks);
-    return vertexBlocks >= 2 && fragmentBlocks >= 2 && triangleCount <= qc_maxFlagTriangles &&
-           MaxBytes(triangleCount, dilated) <= qcGl_MaxStorageBytes(gl);
+    if (vertexBlocks < 2 || fragmentBlocks < 2)
+        return false;
+    const uint64_t corners = dilated ? qc_dilatedCorners * sizeof(qcDilatedCorner) : 9 * sizeof(float);
+    const uint64_t polygons = qc_usualPolygons * sizeof(qcSchedulePolygon);
+    const uint64_t most = qcGl_MaxStorageBytes(gl) / (corners > polygons ? corners : polygons);
+    *maxTriangles = most < qc_maxFlagTriangles ? (uint32_t)most : qc_maxFlagTriangles;
+    return true;
 }
 
 /// Replaces the contents of a buffer, and binds it for the shaders.
@@ -127,8 +126,8 @@ static void CreateDepths(const struct qcGlFunctions* gl, uint32_t tileSize, qcFr
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, flags->depthBuffer);
     gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)tileSize * tileSize * (GLsizeiptr)sizeof(uint32_t), NULL,
                    GL_DYNAMIC_COPY);
-    gl->UseProgram(flags->program);
-    gl->Uniform1ui(gl->GetUniformLocation(flags->program, "tileSize"), tileSize);
+    flags->tileSize = tileSize;
+    flags->tileSizeUniform = gl->GetUniformLocation(flags->program, "tileSize");
 }
 
 qcStatus qcFragmentFlags_Create(const struct qcGlFunctions* gl, uint32_t tileSize, qcFragmentFlags* flags)
@@ -186,6 +185,8 @@ qcStatus qcFragmentFlags_BeginPass(const struct qcGlFunctions* gl, qcFragmentFla
     else
     {
         gl->Disable(GL_DEPTH_TEST);
+        // Scenes of other resolutions use the program, too.
+        gl->Uniform1ui(flags->tileSizeUniform, flags->tileSize);
         gl->Uniform1ui(flags->greaterUniform, pass->greater);
         gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, flags->depthBuffer);
     }

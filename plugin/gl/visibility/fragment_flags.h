@@ -15,7 +15,8 @@ typedef struct qcFragmentFlags
 {
     GLuint program, cornerBuffer, polygonBuffer, flagBuffer;
     GLuint depthBuffer; ///< of dilated triangles: a tile's depths, the bits of floats
-    GLint axisUniform, greaterUniform, partUniform, scaleUniform, tileUniform;
+    uint32_t tileSize;  ///< of these
+    GLint axisUniform, greaterUniform, partUniform, scaleUniform, tileSizeUniform, tileUniform;
     GLsizei vertexCount; ///< of a polygon
     qcArray flags;       ///< of uint32_t, one a step: 0 if no fragment failed
 } qcFragmentFlags;
@@ -28,9 +29,10 @@ typedef enum qcFlagPart
     qc_flagRender ///< in a counted polygon: takes one off that count
 } qcFlagPart;
 
-/// Whether the device's vertex and fragment shaders use storage buffers, which GL 4.3 doesn't guarantee, and reach all
-/// of those for so many triangles: what is beyond a device's limit reads as anything, such as visible.
-bool qcFragmentFlags_AreSupported(const struct qcGlFunctions* gl, uint32_t triangleCount, bool dilated);
+/// Whether the device's vertex and fragment shaders use storage buffers, which GL 4.3 doesn't guarantee.
+/// `maxTriangles`: those of whose buffers they reach all: what is beyond a device's limit reads as anything, such as
+/// visible.
+bool qcFragmentFlags_AreSupported(const struct qcGlFunctions* gl, bool dilated, uint32_t* maxTriangles);
 
 /// Compiles the program. `tileSize`: of dilated triangles' depths; 0: triangles are not dilated.
 qcStatus qcFragmentFlags_Create(const struct qcGlFunctions* gl, uint32_t tileSize, qcFragmentFlags* flags);

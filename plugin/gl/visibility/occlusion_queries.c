@@ -369,7 +369,8 @@ static bool IsReusable(const qcVisibility* v, const qcVisibilityDef* def, const 
 {
     return v != NULL && v->device == def->device && v->generation == qcDevice_GetGeneration(def->device) &&
            v->resolution == def->resolution && v->tileSize == ChooseTileSize(def, info) &&
-           v->isDilated == def->dilated && v->way == ChooseWay();
+           v->isDilated == def->dilated && v->way == ChooseWay() &&
+           (!v->storesFlags || def->triangleCount <= v->maxFlagTriangles);
 }
 
 qcStatus qcVisibility_Prepare(const qcVisibilityDef* def, qcVisibility** visibility)

@@ -136,7 +136,8 @@ qcStatus qcVisibilityObjects_Create(const struct qcGlFunctions* gl, void* visibi
     qcVisibility* v = visibility;
     gl->GenVertexArrays(1, &v->vertexArray);
     gl->BindVertexArray(v->vertexArray);
-    v->storesFlags = WantsFlags(v) && qcFragmentFlags_AreSupported(gl, v->triangleCount, v->isDilated);
+    v->storesFlags = WantsFlags(v) && qcFragmentFlags_AreSupported(gl, v->isDilated, &v->maxFlagTriangles) &&
+                     v->triangleCount <= v->maxFlagTriangles;
     QC_TRY(v->storesFlags ? CreateFlags(gl, v) : CreateQueries(gl, v));
     return CreateImage(gl, v);
 }

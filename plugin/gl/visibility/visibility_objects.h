@@ -35,7 +35,8 @@ struct qcVisibility
 
     qcTileSchedule schedule;
     qcSureResults sure;
-    bool storesFlags; ///< and issues no queries
+    bool storesFlags;          ///< and issues no queries
+    uint32_t maxFlagTriangles; ///< with more, it can't
     qcFragmentFlags flags;
     bool computesSure; ///< the device finds what is sure
     qcSureKernels kernels;
