@@ -28,6 +28,7 @@
     X(PFNGLCLEARCOLORPROC, ClearColor)                                                                                 \
     X(PFNGLCLIENTWAITSYNCPROC, ClientWaitSync)                                                                         \
     X(PFNGLCOMPILESHADERPROC, CompileShader)                                                                           \
+    X(PFNGLCOPYBUFFERSUBDATAPROC, CopyBufferSubData)                                                                   \
     X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                                                           \
     X(PFNGLCREATESHADERPROC, CreateShader)                                                                             \
     X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                                                           \

@@ -182,16 +182,23 @@ typedef struct Writing
     const char* function;
 } Writing;
 
+/// By way of a buffer of our own: the host's may be one that only the device writes (GL_DYNAMIC_STORAGE_BIT).
 static qcStatus Write(const struct qcGlFunctions* gl, void* context)
 {
     const Writing* w = context;
     const uint32_t count = (uint32_t)w->count;
+    const GLsizeiptr bytes = (GLsizeiptr)(sizeof count + w->count * sizeof(qcPair));
     uint64_t first = 0;
+    GLuint copy = 0;
     QC_TRY(qcBufferRange_Check(gl, w->room, w->function, &first));
-    gl->BufferSubData(GL_SHADER_STORAGE_BUFFER, (GLintptr)first, sizeof count, &count);
+    gl->GenBuffers(1, &copy);
+    gl->BindBuffer(GL_COPY_READ_BUFFER, copy);
+    gl->BufferData(GL_COPY_READ_BUFFER, bytes, NULL, GL_STREAM_COPY);
+    gl->BufferSubData(GL_COPY_READ_BUFFER, 0, sizeof count, &count);
     if (count != 0)
-        gl->BufferSubData(GL_SHADER_STORAGE_BUFFER, (GLintptr)(first + sizeof count),
-                          (GLsizeiptr)(w->count * sizeof(qcPair)), w->pairs);
+        gl->BufferSubData(GL_COPY_READ_BUFFER, sizeof count, (GLsizeiptr)(w->count * sizeof(qcPair)), w->pairs);
+    gl->CopyBufferSubData(GL_COPY_READ_BUFFER, GL_SHADER_STORAGE_BUFFER, 0, (GLintptr)first, bytes);
+    gl->DeleteBuffers(1, &copy);
     gl->Finish();
     return qc_statusOk;
 }

@@ -55,10 +55,10 @@ void main()
                     min(parts[i][gl_LocalInvocationID.x], parts[i][gl_LocalInvocationID.x + span]);
     }
     if (gl_LocalInvocationID.x == 0u)
-    {
         for (int i = 0; i < 6; i++)
             atomicMin(bounds[i], parts[i][0]);
-        memoryBarrierBuffer();
+    memoryBarrierBuffer();
+    barrier();
+    if (gl_LocalInvocationID.x == 0u)
         atomicAdd(bounds[7], 1u);
-    }
 }
