@@ -86,7 +86,7 @@ uint append(uint counter, uint count)
 {
     uint previous = atomicAdd(counters[counter], count);
     if (previous + count >= 0x80000000u)
-        counters[overflowCounter] = 1u;
+        atomicMax(counters[overflowCounter], 1u);
     return previous;
 }
 

@@ -9,8 +9,9 @@ layout(std430, binding = 5) writeonly buffer Buckets { uvec2 outBuckets[]; };
 
 //  ---- separating axes -----------------------------------------------------------------------------------------------
 
-// The other corners of A and all of B, relative to the first corner of A.
-vec3 b, c, d, e, f;
+// The other corners of A and all of B, relative to the first corner of A: differences of rounded coordinates. GLSL may
+// multiply out what is not `precise`, and then cancels more.
+precise vec3 b, c, d, e, f;
 float gap;   // required distance along an axis of length 1
 float error; // of a coordinate
 
@@ -191,7 +192,7 @@ void main()
     for (; first < count; first += groups * LOCAL_SIZE)
         testPairs(first, min(count - first, LOCAL_SIZE), k);
     if (first < count)
-        counters[stoppedCounter] = 1u;
+        atomicMax(counters[stoppedCounter], 1u);
     if (bucketCount != 0u)
         countKernel(pairTestsRan);
     else

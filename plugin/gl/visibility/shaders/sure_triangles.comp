@@ -24,8 +24,10 @@ Triangle makeTriangle(uint corner)
         t.y[i] = (corners[at + y] + 1.0) * (0.5 * resolution);
         t.z[i] = direction * corners[at + axis];
     }
-    t.box.xy = min(vec2(t.x.x, t.y.x), min(vec2(t.x.y, t.y.y), vec2(t.x.z, t.y.z))) - snap;
-    t.box.zw = max(vec2(t.x.x, t.y.x), max(vec2(t.x.y, t.y.y), vec2(t.x.z, t.y.z))) + snap;
+    // Counted here, and written by another kernel: both find the same cells.
+    precise vec4 box = vec4(min(vec2(t.x.x, t.y.x), min(vec2(t.x.y, t.y.y), vec2(t.x.z, t.y.z))) - snap,
+                            max(vec2(t.x.x, t.y.x), max(vec2(t.x.y, t.y.y), vec2(t.x.z, t.y.z))) + snap);
+    t.box = box;
     float error, area = cross2(vec2(t.x.y - t.x.x, t.y.y - t.y.x), vec2(t.x.z - t.x.x, t.y.z - t.y.x), error);
     t.plane = vec4(0.0, 0.0, area > error ? 1.0 : area < -error ? -1.0 : 0.0, 0.0);
     t.z.w = 1e30;
