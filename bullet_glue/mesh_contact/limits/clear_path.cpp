@@ -220,6 +220,14 @@ bool PassesNone(const qcSupportMesh& hull, const btTransform& start, const btTra
     return test.isClear;
 }
 
+/// True if the hull is apart from a core, and not inside, at the start and at the end.
+bool PassesCore(const qcSupportMesh& hull, const btTransform& start, const btTransform& end, const qcSupportMesh& core,
+                const btTransform& place)
+{
+    const qcMovedHulls hulls{{&hull, start}, {&core, place}, {&hull, end}, {&core, place}};
+    return hulls.AreSeparated(qcSeparateHulls(hulls.startA, hulls.startB, btVector3(0, 0, 0), BT_LARGE_FLOAT));
+}
+
 /// The box of a hull's path in the frame of an object at rest. A child whose box does not meet it has a plane below the
 /// hull, across one of the frame's axes, at the start and at the end, as a triangle has: see Path::FindBox. The radius
 /// of the object counts twice, since the children's places and boxes are rounded in its frame: each by less than
@@ -239,7 +247,7 @@ struct ChildBox
 
 bool qcHasClearPath(const qcSweptObject& moving, const qcSweptObject& still)
 {
-    bool isClear = !moving.hulls.empty() && !still.moves && still.cores == nullptr;
+    bool isClear = !moving.hulls.empty() && !still.moves;
     auto test = [&](const qcSweptHull& hull, const qcMeshShape& mesh, const btTransform& local)
     {
         isClear = isClear &&
@@ -255,17 +263,27 @@ bool qcHasClearPath(const qcSweptObject& moving, const qcSweptObject& still)
     };
     if (!still.children.AreRead())
     {
+        isClear = isClear && still.cores == nullptr;
         if (isClear)
             qcForEachSimpleShape(still.object->getCollisionShape(), btTransform::getIdentity(), testSimple);
         return isClear;
     }
-    isClear = isClear && still.children.AreMeshes();
+    isClear = isClear && still.children.AreAll();
     for (const qcSweptHull& hull : moving.hulls)
-        if (isClear)
+    {
+        auto testChild = [&](size_t number)
         {
-            const ChildBox box(hull, moving, still);
-            still.children.VisitBox(box.lower, box.upper,
-                                    [&](const qcSweptChildren::Child& child) { test(hull, *child.mesh, child.local); });
-        }
+            const qcSweptChildren::Child& child = still.children[number];
+            if (child.core == nullptr)
+                test(hull, *child.mesh, child.local);
+            else
+                isClear = isClear && PassesCore(*hull.mesh, moving.start * hull.local, moving.end * hull.local,
+                                                *child.core, still.start * child.local);
+        };
+        if (!isClear)
+            break;
+        const ChildBox box(hull, moving, still);
+        still.children.VisitBox(box.lower, box.upper, testChild);
+    }
     return isClear;
 }

@@ -28,9 +28,9 @@ void qcMotionCertificates::LookUp(qcSweptObject* swept)
 /// Reads the children of a compound that hulls of the other object may pass, once a step.
 void qcMotionCertificates::ReadChildren(const qcSweptObject& moving, qcSweptObject* still)
 {
-    if (!moving.hulls.empty() && !still->moves && still->cores == nullptr && !still->children.AreRead() &&
+    if (!moving.hulls.empty() && !still->moves && !still->children.AreRead() &&
         still->object->getCollisionShape()->isCompound())
-        still->children.Read(still->object->getCollisionShape());
+        still->children.Read(still->object->getCollisionShape(), still->cores);
 }
 
 /// Removes the pairs of which a function of their index is true. Calls for different pairs may run at once, on threads
@@ -78,15 +78,14 @@ void qcMotionCertificates::RemoveApart(const std::set<qcPairNumbers>& inner, std
 bool qcMotionCertificates::IsSeparated(const qcSweptPair& pair, const qcTouchingPairs& touching, Touch* touch) const
 {
     const qcSweptObject &a = *pair.first, &b = *pair.second;
-    qcPlacedSupport startA{a.hull, a.start}, startB{b.hull, b.start}, endA{a.hull, a.end}, endB{b.hull, b.end};
-    btScalar error = qcGapError(startA, startB) + qcGapError(endA, endB);
-    auto isProof = [&](const btVector3& axis)
-    { return qcGapAlong(endA, endB, axis) > error && qcGapAlong(startA, startB, axis) > error; };
+    const qcMovedHulls hulls{{a.hull, a.start}, {b.hull, b.start}, {a.hull, a.end}, {b.hull, b.end}};
+    const qcPlacedSupport &startA = hulls.startA, &startB = hulls.startB;
+    const btScalar error = hulls.Error();
     bool isNew = a.isNew || b.isNew || touching.Include(pair);
     btScalar depth = isNew ? std::max(error, qcCornerRounding(a, b) / 2) : error;
     bool areTouching = isNew && m_axes.AreTouching(a.object, startA, b.object, startB);
     btVector3 kept = m_axes.GetAxis(a.object, a.end, b.object, b.end);
-    if (!areTouching && isProof(kept))
+    if (!areTouching && hulls.AreSeparatedAlong(kept))
         return true;
     btVector3 keptAtStart = m_axes.GetAxis(a.object, a.start, b.object, b.start);
     if (areTouching || (isNew && !keptAtStart.fuzzyZero() && qcTouchAlong(startA, startB, keptAtStart)))
@@ -104,13 +103,7 @@ bool qcMotionCertificates::IsSeparated(const qcSweptPair& pair, const qcTouching
         *touch = {true, atStart.axis, depth};
         return true;
     }
-    if (atStart.gap <= error)
-        return false;
-    if (isProof(atStart.axis))
-        return true;
-    qcSeparation atEnd = qcSeparateHulls(endA, endB, atStart.axis, BT_LARGE_FLOAT);
-    btVector3 between = atStart.axis + atEnd.axis;
-    return atEnd.gap > error && (isProof(atEnd.axis) || (!between.fuzzyZero() && isProof(between.normalized())));
+    return hulls.AreSeparated(atStart);
 }
 
 void qcMotionCertificates::RemoveSeparated(const std::set<qcPairNumbers>& inner, qcTouchingPairs* touching,

@@ -1,4 +1,4 @@
-// The meshes of a compound that stays in a step, with boxes around them.
+// The meshes and cores of a compound that stays in a step, with boxes around them.
 #include "mesh_contact/limits/swept_children.h"
 
 #include "common/compound_children.h"
@@ -12,15 +12,11 @@ void qcSweptChildren::Clear()
     m_blocks.clear();
     m_radius = 0;
     m_areRead = false;
-    m_areMeshes = true;
+    m_areAll = true;
 }
 
-void qcSweptChildren::Add(const btCollisionShape* shape, const btTransform& local)
+void qcSweptChildren::Add(const Child& child)
 {
-    const qcMeshShape* mesh = qcAsMeshShape(shape);
-    m_areMeshes = m_areMeshes && mesh != nullptr;
-    if (!m_areMeshes)
-        return;
     const size_t lane = m_children.size() % s_width;
     if (lane == 0)
     {
@@ -28,9 +24,9 @@ void qcSweptChildren::Add(const btCollisionShape* shape, const btTransform& loca
         std::fill_n(m_blocks.back().lower[0], 3 * s_width, BT_LARGE_FLOAT);
         std::fill_n(m_blocks.back().upper[0], 3 * s_width, -BT_LARGE_FLOAT);
     }
-    m_children.push_back({mesh, local});
+    m_children.push_back(child);
     btVector3 lower, upper;
-    mesh->getAabb(local, lower, upper);
+    child.mesh->getAabb(child.local, lower, upper);
     for (int axis = 0; axis < 3; axis++)
     {
         m_blocks.back().lower[axis][lane] = lower[axis];
@@ -41,10 +37,28 @@ void qcSweptChildren::Add(const btCollisionShape* shape, const btTransform& loca
     m_radius = std::max(m_radius, far.length());
 }
 
-void qcSweptChildren::Read(const btCollisionShape* compound)
+void qcSweptChildren::Read(const btCollisionShape* compound, qcConvexCores* cores)
 {
     Clear();
     m_areRead = true;
-    qcForEachSimpleShape(compound, btTransform::getIdentity(),
-                         [this](const btCollisionShape* shape, const btTransform& local) { Add(shape, local); });
+    auto addMesh = [this](const btCollisionShape* shape, const btTransform& local)
+    {
+        const qcMeshShape* mesh = qcAsMeshShape(shape);
+        if (mesh != nullptr)
+            Add({mesh, nullptr, nullptr, local});
+        else
+            m_areAll = m_areAll && !qcIsMesh(shape);
+    };
+    qcForEachSimpleShape(compound, btTransform::getIdentity(), addMesh);
+    auto addCore = [this, cores](const btCollisionShape* shape, const btTransform& local)
+    {
+        if (!shape->isConvex())
+            return;
+        const auto* convex = static_cast<const btConvexShape*>(shape);
+        const qcConvexCore& core = cores->Find(convex);
+        if (core.mesh != nullptr)
+            Add({core.mesh.get(), convex, core.hull.get(), local});
+    };
+    if (cores != nullptr)
+        qcForEachSimpleShape(compound, btTransform::getIdentity(), addCore);
 }

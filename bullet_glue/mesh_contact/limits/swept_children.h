@@ -1,10 +1,10 @@
-// The meshes of a compound that stays in a step, with boxes around them: many hulls pass a level, each near few of
-// them.
+// The meshes and cores of a compound that stays in a step, with boxes around them: many hulls pass a level, each near
+// few of them.
 #ifndef QC_GLUE_MESH_CONTACT_LIMITS_SWEPT_CHILDREN_H
 #define QC_GLUE_MESH_CONTACT_LIMITS_SWEPT_CHILDREN_H
 
 #include "common/lanes.h"
-#include "quickcullide/bullet_mesh.h"
+#include "mesh_contact/limits/convex_cores.h"
 
 #include <vector>
 
@@ -14,12 +14,14 @@ class qcSweptChildren
     struct Child
     {
         const qcMeshShape* mesh;
-        btTransform local; ///< from its frame to the object's
+        const btConvexShape* convex; ///< whose core the mesh is; null: the mesh is the shape
+        const qcSupportMesh* core;   ///< the core as a hull; null likewise
+        btTransform local;           ///< from its frame to the object's
     };
 
-    /// Reads the shapes in a compound of any depth. Bullet's tree of a compound is not enough: it has the boxes of when
-    /// a child was added. O(children).
-    void Read(const btCollisionShape* compound);
+    /// Reads the meshes in a compound of any depth, then the cores of its convex shapes unless `cores` is null.
+    /// Bullet's tree of a compound is not enough: it has the boxes of when a child was added. O(children).
+    void Read(const btCollisionShape* compound, qcConvexCores* cores);
     /// Forgets them.
     void Clear();
 
@@ -28,17 +30,25 @@ class qcSweptChildren
     {
         return m_areRead;
     }
-    /// True if all shapes are qcMeshShapes.
-    bool AreMeshes() const
+    /// True if all meshes are qcMeshShapes.
+    bool AreAll() const
     {
-        return m_areMeshes;
+        return m_areAll;
+    }
+    size_t Count() const
+    {
+        return m_children.size();
+    }
+    const Child& operator[](size_t child) const
+    {
+        return m_children[child];
     }
     /// Upper bound of the distance of the boxes' points from the object's origin.
     btScalar Radius() const
     {
         return m_radius;
     }
-    /// Calls visit(child) for the children whose boxes meet the closed box, in their order.
+    /// Calls visit(number) for the children whose boxes meet the closed box, in their order.
     template <typename Visit> void VisitBox(const btVector3& lower, const btVector3& upper, const Visit& visit) const
     {
         for (size_t block = 0; block < m_blocks.size(); block++)
@@ -50,7 +60,7 @@ class qcSweptChildren
                            (qcLoadLanes(m_blocks[block].upper[axis] + first) >= lower[int(axis)]);
                 };
                 for (unsigned boxes = qcBitsOf(meet(0) & meet(1) & meet(2)); boxes != 0; boxes &= boxes - 1)
-                    visit(m_children[block * s_width + first + unsigned(__builtin_ctz(boxes))]);
+                    visit(block * s_width + first + unsigned(__builtin_ctz(boxes)));
             }
     }
 
@@ -62,12 +72,12 @@ class qcSweptChildren
         btScalar lower[3][s_width], upper[3][s_width];
     };
 
-    void Add(const btCollisionShape* shape, const btTransform& local);
+    void Add(const Child& child);
 
     std::vector<Child> m_children;
     std::vector<Block> m_blocks; ///< of the children, margins included
     btScalar m_radius = 0;
-    bool m_areRead = false, m_areMeshes = true;
+    bool m_areRead = false, m_areAll = true;
 };
 
 #endif

@@ -92,17 +92,21 @@ qcStatus qcSweptMesh::Place(qcScene* scene, const btTransform& object, bool atSt
     return SetVertices(scene, place, points, triangles->pointCount);
 }
 
+qcSweptSource qcMakeSweptSource(const btCollisionShape* mesh, const btTransform& place, qcSweptPart part)
+{
+    qcSweptSource source;
+    source.mesh.shape = mesh;
+    source.mesh.transform = place;
+    source.part = part;
+    return source;
+}
+
 std::vector<qcSweptSource> qcCollectSwept(const btCollisionShape* shape, qcConvexCores* cores,
                                           qcConvexCores* innerCores)
 {
     std::vector<qcSweptSource> swept;
     auto add = [&swept](const btCollisionShape* mesh, const btTransform& place, qcSweptPart part)
-    {
-        swept.emplace_back();
-        swept.back().mesh.shape = mesh;
-        swept.back().mesh.transform = place;
-        swept.back().part = part;
-    };
+    { swept.push_back(qcMakeSweptSource(mesh, place, part)); };
     qcForEachSwept(shape, cores, innerCores, add);
     return swept;
 }

@@ -74,6 +74,7 @@ void qcForEachSwept(const btCollisionShape* shape, qcConvexCores* cores, qcConve
             from->ForEachCore(shape, [&function, part = part](const qcConvexCore& core, const btTransform& place)
                               { function(core.mesh.get(), place, part); });
 }
+qcSweptSource qcMakeSweptSource(const btCollisionShape* mesh, const btTransform& place, qcSweptPart part);
 /// The meshes and cores that qcForEachSwept finds.
 std::vector<qcSweptSource> qcCollectSwept(const btCollisionShape* shape, qcConvexCores* cores,
                                           qcConvexCores* innerCores);

@@ -4,7 +4,84 @@
 #include "common/first_error.h"
 #include "common/profiled_detect.h"
 
+#include <LinearMath/btAabbUtil2.h>
+
 #include <algorithm>
+
+namespace
+{
+// Up to so many children of a compound are in the scene, near or not: a search takes as long.
+constexpr size_t s_fewChildren = 64;
+// Upper bound of the rounding of a box in another frame, as a part of the lengths that take part.
+constexpr btScalar s_boxError = 64 * SIMD_EPSILON;
+
+bool Stays(const qcSweptObject& swept)
+{
+    return !swept.IsFree() && !swept.moves;
+}
+
+/// True if the scene holds only those meshes of a compound that other objects may meet.
+bool HoldsNearOnly(const qcSweptObject& swept)
+{
+    return Stays(swept) && swept.children.AreRead() && swept.children.AreAll() &&
+           swept.children.Count() > s_fewChildren;
+}
+
+/// Reads the children of a compound that stays, once a step.
+void ReadChildren(qcSweptObject* swept)
+{
+    const btCollisionShape* shape = swept->object->getCollisionShape();
+    if (Stays(*swept) && shape->isCompound() && !swept->children.AreRead())
+        swept->children.Read(shape, swept->cores);
+    swept->nearChildren.clear();
+}
+
+/// Adds the children of a compound that stays whose boxes meet that of the other object.
+void AddNearChildren(const qcSweptObject& other, qcSweptObject* still)
+{
+    if (!HoldsNearOnly(*still))
+        return;
+    const btVector3 half = (other.upper - other.lower) / 2, centre = other.lower + half;
+    const btScalar error =
+        s_boxError * (half.length() + centre.length() + still->start.getOrigin().length() + still->children.Radius());
+    btVector3 lower, upper;
+    btTransformAabb(half, error, still->start.inverse() * btTransform(btMatrix3x3::getIdentity(), centre), lower,
+                    upper);
+    still->children.VisitBox(lower, upper, [still](size_t child) { still->nearChildren.push_back(uint32_t(child)); });
+}
+
+/// Calls function(mesh, transform, part) for what the scene holds of an object; see qcForEachSwept.
+template <typename Function> void ForEachHeld(const qcSweptObject& swept, const Function& function)
+{
+    qcConvexCores* innerCores = swept.cores != nullptr ? swept.innerCores : nullptr;
+    if (!HoldsNearOnly(swept))
+    {
+        qcForEachSwept(swept.object->getCollisionShape(), swept.cores, innerCores, function);
+        return;
+    }
+    // The application may move the triangles of any mesh.
+    for (size_t i = 0; i < swept.children.Count() && swept.children[i].convex == nullptr; i++)
+        function(swept.children[i].mesh, swept.children[i].local, qcSweptPart::mesh);
+    for (qcSweptPart part : {qcSweptPart::core, qcSweptPart::innerCore})
+        for (uint32_t i : swept.nearChildren)
+        {
+            const qcSweptChildren::Child& child = swept.children[i];
+            if (child.convex == nullptr || (part == qcSweptPart::innerCore && innerCores == nullptr))
+                continue;
+            const qcMeshShape* mesh =
+                part == qcSweptPart::core ? child.mesh : innerCores->Find(child.convex).mesh.get();
+            if (mesh != nullptr)
+                function(mesh, child.local, part);
+        }
+}
+
+/// True if a mesh of an object is in the scene from now on.
+bool IsHeld(const qcSweptObject& swept, size_t mesh)
+{
+    return swept.meshes[mesh].part != qcSweptPart::mesh || !HoldsNearOnly(swept) ||
+           std::binary_search(swept.nearChildren.begin(), swept.nearChildren.end(), uint32_t(mesh));
+}
+} // namespace
 
 qcSweptScene::~qcSweptScene()
 {
@@ -24,11 +101,27 @@ void qcSweptScene::CollectObjects()
         }
 }
 
+/// Finds the children of large compounds at rest that other objects may meet.
+void qcSweptScene::FindNearChildren() const
+{
+    for (qcSweptObject* swept : m_objects)
+        ReadChildren(swept);
+    for (const qcSweptPair& pair : *m_pairs)
+    {
+        AddNearChildren(*pair.first, pair.second);
+        AddNearChildren(*pair.second, pair.first);
+    }
+    for (qcSweptObject* swept : m_objects)
+    {
+        std::vector<uint32_t>& near = swept->nearChildren;
+        std::sort(near.begin(), near.end());
+        near.erase(std::unique(near.begin(), near.end()), near.end());
+    }
+}
+
 /// Brings the scene's meshes of an object up to date.
 qcStatus qcSweptScene::AddMeshes(qcSweptObject* swept)
 {
-    const btCollisionShape* shape = swept->object->getCollisionShape();
-    qcConvexCores* innerCores = swept->cores != nullptr ? swept->innerCores : nullptr;
     // Convex shapes join the meshes only while they may pass one: those that are there go on, with their motion.
     size_t sameCount = 0, count = 0;
     auto compare = [&](const btCollisionShape* simple, const btTransform& local, qcSweptPart part)
@@ -40,20 +133,22 @@ qcStatus qcSweptScene::AddMeshes(qcSweptObject* swept)
                          mesh.revision == qcMeshRevision(simple);
         }
     };
-    qcForEachSwept(shape, swept->cores, innerCores, compare);
+    ForEachHeld(*swept, compare);
     for (size_t i = sameCount; i < swept->meshes.size(); i++)
         swept->meshes[i].RemoveFrom(m_scene);
     swept->meshes.erase(swept->meshes.begin() + ptrdiff_t(sameCount), swept->meshes.end());
-    if (sameCount < count)
+    size_t number = 0;
+    auto add = [&](const btCollisionShape* simple, const btTransform& local, qcSweptPart part)
     {
-        const std::vector<qcSweptSource> present = qcCollectSwept(shape, swept->cores, innerCores);
-        for (size_t i = sameCount; i < count; i++)
-            swept->meshes.emplace_back(present[i], swept->body == nullptr);
-    }
+        if (number++ >= sameCount)
+            swept->meshes.emplace_back(qcMakeSweptSource(simple, local, part), swept->body == nullptr);
+    };
+    if (sameCount < count)
+        ForEachHeld(*swept, add);
     for (size_t i = 0; i < swept->meshes.size(); i++)
     {
         qcSweptMesh& mesh = swept->meshes[i];
-        if (mesh.id.generation != 0)
+        if (mesh.id.generation != 0 || !IsHeld(*swept, i))
             continue;
         qcStatus status = mesh.AddTo(m_scene, swept->start, swept->number);
         if (status != qc_statusOk)
@@ -70,7 +165,8 @@ qcStatus qcSweptScene::PlaceMeshes(bool atStart) const
     qcStatus status = qc_statusOk;
     for (qcSweptObject* swept : m_objects)
         for (qcSweptMesh& mesh : swept->meshes)
-            status = qcFirstError(status, mesh.Place(m_scene, atStart ? swept->start : swept->end, atStart));
+            if (mesh.id.generation != 0)
+                status = qcFirstError(status, mesh.Place(m_scene, atStart ? swept->start : swept->end, atStart));
     return status;
 }
 
@@ -99,6 +195,7 @@ qcStatus qcSweptScene::Detect(const std::vector<qcSweptPair>& pairs, const std::
         status = qcScene_Create(&def, &m_scene);
     }
     CollectObjects();
+    FindNearChildren();
     for (qcSweptObject* swept : m_objects)
         status = status == qc_statusOk ? AddMeshes(swept) : status;
     if (status == qc_statusOk)

@@ -6,7 +6,8 @@
 
 #include <set>
 
-/// Holds the meshes of the objects that have been near others. Not for several threads.
+/// Holds the meshes of the objects that have been near others; of a large compound at rest, those that others have been
+/// near. Not for several threads.
 class qcSweptScene
 {
   public:
@@ -39,6 +40,7 @@ class qcSweptScene
     };
 
     void CollectObjects();
+    void FindNearChildren() const;
     qcStatus AddMeshes(qcSweptObject* swept);
     qcStatus PlaceMeshes(bool atStart) const;
     Side SideOf(uint32_t slot) const;

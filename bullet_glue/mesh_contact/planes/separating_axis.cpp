@@ -295,6 +295,19 @@ qcSeparation qcSeparateFromTriangle(const qcPlacedSupport& hull, const btVector3
     return separation;
 }
 
+bool qcMovedHulls::AreSeparated(const qcSeparation& atStart) const
+{
+    const btScalar error = Error();
+    if (atStart.gap <= error)
+        return false;
+    if (AreSeparatedAlong(atStart.axis))
+        return true;
+    const qcSeparation atEnd = qcSeparateHulls(endA, endB, atStart.axis, BT_LARGE_FLOAT);
+    const btVector3 between = atStart.axis + atEnd.axis;
+    return atEnd.gap > error &&
+           (AreSeparatedAlong(atEnd.axis) || (!between.fuzzyZero() && AreSeparatedAlong(between.normalized())));
+}
+
 qcSeparation qcFindSeparation(const qcPlacedSupport& a, const qcPlacedSupport& b, const btVector3& guess,
                               btScalar enough, btScalar slack)
 {

@@ -36,4 +36,24 @@ qcSeparation qcSeparateHulls(const qcPlacedSupport& a, const qcPlacedSupport& b,
 /// Likewise for a hull and a triangle, from the hull to the triangle.
 qcSeparation qcSeparateFromTriangle(const qcPlacedSupport& hull, const btVector3 corners[3], const btVector3& guess);
 
+/// Two meshes at the start and at the end of a motion.
+struct qcMovedHulls
+{
+    qcPlacedSupport startA, startB, endA, endB;
+
+    /// Upper bound of the rounding of gaps.
+    btScalar Error() const
+    {
+        return qcGapError(startA, startB) + qcGapError(endA, endB);
+    }
+    /// True if the direction separates the hulls at both times, beyond rounding.
+    bool AreSeparatedAlong(const btVector3& axis) const
+    {
+        const btScalar error = Error();
+        return qcGapAlong(endA, endB, axis) > error && qcGapAlong(startA, startB, axis) > error;
+    }
+    /// Tries the direction of the largest gap at the start, that at the end, and the one between. False proves nothing.
+    bool AreSeparated(const qcSeparation& atStart) const;
+};
+
 #endif

@@ -6,10 +6,12 @@
 #include "bullet/random_numbers.h"
 
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
+#include <BulletCollision/CollisionShapes/btBvhTriangleMeshShape.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <BulletCollision/CollisionShapes/btConeShape.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+#include <BulletCollision/CollisionShapes/btTriangleMesh.h>
 
 namespace
 {
@@ -237,7 +239,7 @@ START_TEST(what_just_touches_a_child_is_not_clear)
     {
         const btTransform place = RandomFrame(&random, s_distances[run % 4]);
         StillCompound level(&random, 1 + run % 3, 1, place);
-        level.still.swept.children.Read(&level.compound);
+        level.still.swept.children.Read(&level.compound, nullptr);
         found += IsClearUntilItTouches(&random, run, level.still);
     }
     ck_assert_int_gt(found, s_pathRuns / 20);
@@ -257,7 +259,7 @@ START_TEST(children_that_are_not_on_the_way_need_no_test)
         moving.swept.start = place * RandomFrame(&random, 4);
         moving.swept.end = moving.swept.start * RandomFrame(&random, run % 3 == 0 ? 2 : 0.2);
         const bool isClear = qcHasClearPath(moving.swept, level.still.swept);
-        level.still.swept.children.Read(&level.compound);
+        level.still.swept.children.Read(&level.compound, nullptr);
         const bool isReadClear = qcHasClearPath(moving.swept, level.still.swept);
         // A plane between boxes is one between what they have.
         ck_assert(isReadClear || !isClear);
@@ -267,6 +269,74 @@ START_TEST(children_that_are_not_on_the_way_need_no_test)
     }
     ck_assert_int_gt(clear, s_pathRuns / 4);
     ck_assert_int_gt(met, s_pathRuns / 10);
+}
+END_TEST
+
+/// True if a point of the world is inside of one of the cores of a compound.
+bool IsInsideOfCore(const btVector3& point, const btCompoundShape& compound, const btTransform& place,
+                    qcConvexCores* cores)
+{
+    bool isInside = false;
+    auto test = [&](const qcConvexCore& core, const btTransform& local)
+    {
+        const btVector3 inCore = (place * local).invXform(point);
+        const std::vector<btVector3>& normals = core.hull->Normals();
+        isInside = isInside ||
+                   std::all_of(normals.begin(), normals.end(),
+                               [&](const btVector3& normal) { return normal.dot(inCore) < core.hull->Max(normal); });
+    };
+    cores->ForEachCore(&compound, test);
+    return isInside;
+}
+
+START_TEST(cores_are_passed_from_outside)
+{
+    qcRandomNumbers random(13);
+    int clear = 0, met = 0, inside = 0;
+    for (int run = 0; run < s_pathRuns; run++)
+    {
+        const btTransform place = RandomFrame(&random, s_distances[run % 4]);
+        StillCompound level(&random, run % 3, 4, place);
+        qcConvexCores cores(qcCoreSize);
+        std::vector<std::unique_ptr<btConvexShape>> convex;
+        for (int i = 0; i < 1 + run % 12; i++)
+        {
+            const btScalar size = random.Number(0.2, 2);
+            if (i % 3 == 0)
+                convex.emplace_back(new btSphereShape(size));
+            else if (i % 3 == 1)
+                convex.emplace_back(new btBoxShape(btVector3(size, random.Number(0.1, 1), 1)));
+            else
+                convex.emplace_back(new btConeShape(size, 1));
+            const btTransform local = RandomFrame(&random, 4);
+            level.compound.addChildShape(local, convex.back().get());
+            qcModel core = qcCoreModel(convex.back().get());
+            core.Move(local);
+            level.still.model.Append(core);
+        }
+        level.still.swept.cores = &cores;
+        Moving moving;
+        AddRandomParts(&random, run % 4, &moving);
+        moving.swept.start = place * RandomFrame(&random, 3);
+        moving.swept.end = moving.swept.start * RandomFrame(&random, run % 3 == 0 ? 2 : 0.2);
+        ck_assert(!qcHasClearPath(moving.swept, level.still.swept));
+        level.still.swept.children.Read(&level.compound, &cores);
+        const bool isClear = qcHasClearPath(moving.swept, level.still.swept);
+        ck_assert_msg(!isClear || MeetsNone(moving, level.still), "run %d", run);
+        for (const qcSweptHull& hull : moving.swept.hulls)
+        {
+            const btVector3& point = hull.mesh->Triangles().points[0];
+            const bool isInside =
+                IsInsideOfCore(moving.swept.start * (hull.local * point), level.compound, place, &cores);
+            ck_assert_msg(!isClear || !isInside, "run %d", run);
+            inside += isInside;
+        }
+        clear += isClear;
+        met += !isClear;
+    }
+    ck_assert_int_gt(clear, s_pathRuns / 4);
+    ck_assert_int_gt(met, s_pathRuns / 10);
+    ck_assert_int_gt(inside, s_pathRuns / 20);
 }
 END_TEST
 
@@ -287,15 +357,21 @@ START_TEST(only_hulls_and_meshes_at_rest_count)
     still.swept.cores = nullptr;
     btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
     btCompoundShape floors;
+    btTriangleMesh triangles;
+    triangles.addTriangle(btVector3(0, 0, 0), btVector3(1, 0, 0), btVector3(0, 0, 1));
+    btBvhTriangleMeshShape bullets(&triangles, true);
     floors.addChildShape(btTransform::getIdentity(), still.shape.get());
-    floors.addChildShape(btTransform::getIdentity(), &plane);
+    floors.addChildShape(btTransform::getIdentity(), &bullets);
     still.object.setCollisionShape(&floors);
     ck_assert(!qcHasClearPath(moving.swept, still.swept));
-    still.swept.children.Read(&floors);
+    still.swept.children.Read(&floors, nullptr);
     ck_assert(!qcHasClearPath(moving.swept, still.swept));
-    floors.removeChildShape(&plane);
-    still.swept.children.Read(&floors);
+    floors.removeChildShape(&bullets);
+    // Planes have contact alone.
+    floors.addChildShape(btTransform::getIdentity(), &plane);
+    still.swept.children.Read(&floors, nullptr);
     ck_assert(qcHasClearPath(moving.swept, still.swept));
+    floors.removeChildShape(&plane);
     still.swept.children.Clear();
     ck_assert(qcHasClearPath(moving.swept, still.swept));
     moving.swept.hulls.clear();
@@ -305,4 +381,4 @@ END_TEST
 
 QC_RUN_TESTS("clear paths", what_passes_none_meets_none, what_just_touches_is_not_clear,
              what_just_touches_a_child_is_not_clear, children_that_are_not_on_the_way_need_no_test,
-             only_hulls_and_meshes_at_rest_count)
+             cores_are_passed_from_outside, only_hulls_and_meshes_at_rest_count)

@@ -6,6 +6,8 @@
 namespace
 {
 constexpr int s_detections = 80, s_throws = 24, s_throwSteps = 20;
+// Tiles along a side of a wall.
+constexpr int s_wallTiles = 12, s_wallThrows = 30;
 // Points that are nearer are contact, whichever margin a mesh has.
 constexpr btScalar s_maxDistance = btScalar(0.005);
 constexpr btScalar s_meshSize = btScalar(0.3);
@@ -213,6 +215,75 @@ START_TEST(meshes_of_compounds_do_not_pass_each_other_at_any_speed)
     ck_assert_int_gt(limited, 0);
 }
 END_TEST
+
+/// A static wall of thin tiles, boxes of Bullet or meshes of the same size, and its triangles.
+Compound MakeWall(qcMeshWorld* world, bool hasMeshes, bool hasBoxes)
+{
+    Compound made{std::make_unique<btCompoundShape>(), {}};
+    const btVector3 half(btScalar(0.02), btScalar(0.25), btScalar(0.25));
+    for (int i = 0; i < s_wallTiles * s_wallTiles; i++)
+    {
+        qcModel model = qcBoxModel(half, 1);
+        const bool isMesh = hasMeshes && (!hasBoxes || i % 2 == 0);
+        const btTransform place(
+            btQuaternion::getIdentity(),
+            btVector3(0, btScalar(i % s_wallTiles - s_wallTiles / 2), btScalar(i / s_wallTiles - s_wallTiles / 2)) / 2);
+        made.shape->addChildShape(place, isMesh ? world->Keep(model.MakeShape(btScalar(0.005)))
+                                                : world->Keep(std::make_unique<btBoxShape>(half)));
+        // Boxes may be touched; nothing passes their cores.
+        model = isMesh ? model : qcBoxModel(btScalar(0.9) * half, 1);
+        model.Move(place);
+        made.model.Append(model);
+    }
+    return made;
+}
+
+/// Throws meshes at places of a large wall, of which only what is near is looked at.
+START_TEST(nothing_passes_a_tile_of_a_large_wall)
+{
+    qcRandomNumbers random(3);
+    for (int run = 0; run < s_wallThrows; run++)
+    {
+        qcMeshWorld world;
+        world.world.setGravity(btVector3(0, 0, 0));
+        Compound wall = MakeWall(&world, run % 3 != 0, run % 3 != 1);
+        btRigidBody* still = world.Add(wall.shape.get(), 0, ScatteredPlace(&random, 3));
+        qcMotionOracle oracle;
+        oracle.Add(wall.model, still, 1);
+        std::vector<btRigidBody*> thrown;
+        std::vector<qcModel> models;
+        for (int i = 0; i < 6; i++)
+            models.push_back(qcBoxModel(btVector3(1, 1, 1) * random.Number(0.05, 0.2), 1));
+        for (int i = 0; i < 6; i++)
+        {
+            const btVector3 target(0, random.Number(-2.5, 2.5), btScalar(i - 3) * btScalar(0.9));
+            const btTransform place(btQuaternion(random.Vector(1) + btVector3(2, 0, 0), random.Number(0, 3)),
+                                    target + btVector3(random.Number(1, 2), 0, 0));
+            btRigidBody* body = world.Add(world.Keep(models[size_t(i)].MakeShape(btScalar(0.005))), 1,
+                                          still->getWorldTransform() * place);
+            body->setActivationState(DISABLE_DEACTIVATION);
+            body->setLinearVelocity(still->getWorldTransform().getBasis() *
+                                    btVector3(-random.Number(2, 150), random.Number(-2, 2), 0));
+            body->setAngularVelocity(random.Vector(10));
+            thrown.push_back(body);
+            oracle.Add(models[size_t(i)], body, uint32_t(i) + 2);
+        }
+        for (int step = 0; step < 30; step++)
+        {
+            world.Step();
+            ck_assert_msg(oracle.Count() == 0, "run %d, step %d", run, step);
+            ck_assert_int_eq(world.contact.getStatistics().unproven, 0);
+        }
+        for (const btRigidBody* body : thrown)
+        {
+            const btVector3 end = still->getWorldTransform().inverse() * body->getWorldTransform().getOrigin();
+            const bool isBeside = std::max(btFabs(end.y()), btFabs(end.z())) > btScalar(s_wallTiles) / 4;
+            ck_assert_msg(end.x() > 0 || isBeside, "run %d: %g, %g, %g", run, double(end.x()), double(end.y()),
+                          double(end.z()));
+        }
+    }
+}
+END_TEST
 } // namespace
 
 QC_TEST_MAIN()
@@ -220,5 +291,6 @@ QC_TEST_MAIN()
     TCase* tests = qcMakeCase("compound_meshes");
     tcase_add_test(tests, each_two_meshes_of_compounds_have_the_contact_that_a_query_for_them_alone_has);
     tcase_add_test(tests, meshes_of_compounds_do_not_pass_each_other_at_any_speed);
+    tcase_add_test(tests, nothing_passes_a_tile_of_a_large_wall);
     return qcRunCase("compound_meshes", tests);
 }

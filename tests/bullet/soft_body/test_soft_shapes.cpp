@@ -184,11 +184,16 @@ START_TEST(cloth_rests_on_a_shape_quieter_than_by_bullets_contacts)
     const qcShapeKind kinds[] = {qc_shapeSphere,      qc_shapeBox,          qc_shapeTiltedBox,  qc_shapeCapsule,
                                  qc_shapeThinCapsule, qc_shapeThinCylinder, qc_shapeCylinder,   qc_shapeHull,
                                  qc_shapeMultiSphere, qc_shapePlane,        qc_shapeHeightfield};
-    qcShapeScene ours(kinds[_i], 20, 1), bullets(kinds[_i], 20, 1, 0, true);
-    btScalar energy = RestingEnergy(ours, true), other = RestingEnergy(bullets, false);
+    qcShapeScene ours(kinds[_i], 20, 1);
+    btScalar energy = RestingEnergy(ours, true);
     // In joules, of 1 kg; on many shapes Bullet's cloth slides off, or falls through.
     ck_assert_double_lt(double(energy), 2e-3);
-    ck_assert_double_le(double(energy), double(other));
+    // A step of Bullet's cloth on the heightfield takes 40 ms.
+    if (kinds[_i] != qc_shapeHeightfield || qcIsLongForm())
+    {
+        qcShapeScene bullets(kinds[_i], 20, 1, 0, true);
+        ck_assert_double_le(double(energy), double(RestingEnergy(bullets, false)));
+    }
     // It hangs over the shape, not inside.
     ck_assert_double_gt(double(ours.Center().y()), -0.5);
     ck_assert_int_eq(ours.softSolver.getStatistics().zoneNodes, 0);
