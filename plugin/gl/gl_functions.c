@@ -86,6 +86,8 @@ qcStatus qcGlFunctions_Load(struct qcGlFunctions* gl, qcGlGetFunction* getFuncti
     // The version decides: EGL returns stubs for names that it doesn't support.
     if (major * 10 + minor >= 45)
         gl->GetGraphicsResetStatus = (PFNGLGETGRAPHICSRESETSTATUSPROC)getFunction("glGetGraphicsResetStatus");
+    else if (qcGl_HasExtension(getFunction, "GL_ARB_robustness"))
+        gl->GetGraphicsResetStatus = (PFNGLGETGRAPHICSRESETSTATUSPROC)getFunction("glGetGraphicsResetStatusARB");
     if (major * 10 + minor >= 43)
     {
         gl->ClearBufferData = (PFNGLCLEARBUFFERDATAPROC)getFunction("glClearBufferData");

@@ -303,7 +303,52 @@ START_TEST(storage_beyond_a_limit_is_not_read_as_visible)
 }
 END_TEST
 
+static void APIENTRY DrawNothing(GLenum mode, GLint first, GLsizei count)
+{
+    (void)mode;
+    (void)first;
+    (void)count;
+}
+
+static void APIENTRY DispatchNothing(GLuint x, GLuint y, GLuint z)
+{
+    (void)x;
+    (void)y;
+    (void)z;
+}
+
+static void MakeIdle(struct qcGlFunctions* gl)
+{
+    gl->DrawArrays = DrawNothing;
+    gl->DispatchCompute = DispatchNothing;
+}
+
+START_TEST(a_context_that_is_lost_without_notice_is_not_read_as_visible)
+{
+    static const char* const ways[] = {"flags", "computed", "flags"};
+    for (int i = 0; i < 3; i++)
+        QC_FOR_EACH_DEVICE(device)
+        {
+            setenv("QC_VISIBILITY", ways[i], 1);
+            if (MakeDriver(device, MakeIdle))
+            {
+                World world = MakeWorldOf(device, 40, 0.3);
+                qcDetectDef def = qcDefaultDetectDef();
+                def.method = qc_methodQuick;
+                def.reliable = i == 2;
+                def.resolution = 128;
+                const qcResult* result = NULL;
+                ck_assert_int_eq(qcScene_Detect(world.scene, &def, &result), qc_statusDevice);
+                ck_assert_ptr_nonnull(strstr(qcLastMessage(), "the device hasn't"));
+                qcScene_Destroy(world.scene);
+            }
+            unsetenv("QC_VISIBILITY");
+        }
+}
+END_TEST
+
 QC_RUN_TESTS_ON_DEVICES("conforming drivers", a_driver_that_flushes_denormals_loses_no_pair,
                         an_axis_has_one_value_in_all_products,
                         occlusion_queries_have_a_complete_framebuffer_below_gl_4_1,
-                        a_limit_of_4_gib_is_not_read_as_negative, storage_beyond_a_limit_is_not_read_as_visible)
+                        a_limit_of_4_gib_is_not_read_as_negative, storage_beyond_a_limit_is_not_read_as_visible,
+                        a_context_that_is_lost_without_notice_is_not_read_as_visible)

@@ -87,6 +87,18 @@ static const char* const s_dilatedFragmentShader =
     "        flags[stepOf] = 1u;\n"
     "}\n";
 
+// Behind the flags: that the device has come to the end of a pass. A context that is lost, and can't say so, draws
+// nothing, and hides nothing.
+static const char* const s_endShader = "#version 430 core\n"
+                                       "layout(local_size_x = 1) in;\n"
+                                       "layout(std430, binding = 2) writeonly buffer Flags { uint flags[]; };\n"
+                                       "uniform uint end;\n"
+                                       "uniform uint run;\n"
+                                       "void main()\n"
+                                       "{\n"
+                                       "    flags[end] = run;\n"
+                                       "}\n";
+
 enum
 {
     // Numbers of vertices and of floats are ints of GLSL: 15 of a polygon, 14 of a triangle.
@@ -136,6 +148,9 @@ qcStatus qcFragmentFlags_Create(const struct qcGlFunctions* gl, uint32_t tileSiz
     QC_TRY(qcGlPrograms_Get(gl, dilated ? "dilated visibility flags" : "visibility flags",
                             dilated ? s_dilatedVertexShader : s_vertexShader,
                             dilated ? s_dilatedFragmentShader : s_fragmentShader, &flags->program));
+    QC_TRY(qcGlPrograms_GetCompute(gl, "end of visibility flags", &s_endShader, 1, &flags->endProgram));
+    flags->endUniform = gl->GetUniformLocation(flags->endProgram, "end");
+    flags->runUniform = gl->GetUniformLocation(flags->endProgram, "run");
     flags->axisUniform = gl->GetUniformLocation(flags->program, "axis");
     flags->greaterUniform = gl->GetUniformLocation(flags->program, "greater");
     flags->scaleUniform = gl->GetUniformLocation(flags->program, "scale");
@@ -175,9 +190,9 @@ qcStatus qcFragmentFlags_BeginPass(const struct qcGlFunctions* gl, qcFragmentFla
     if (pass->polygons->count > qc_maxFlagPolygons || polygonBytes > qcGl_MaxStorageBytes(gl))
         return qcFail(qc_statusDevice, "visibility flags: %zu polygons are more than the device's shaders read",
                       pass->polygons->count);
-    QC_TRY(qcArray_Resize(&flags->flags, pass->stepCount, sizeof(uint32_t), "visibility flags"));
-    if (pass->stepCount > 0)
-        memset(flags->flags.data, 0, pass->stepCount * sizeof(uint32_t));
+    const size_t words = (size_t)pass->stepCount + 1;
+    QC_TRY(qcArray_Resize(&flags->flags, words, sizeof(uint32_t), "visibility flags"));
+    memset(flags->flags.data, 0, words * sizeof(uint32_t));
     gl->UseProgram(flags->program);
     gl->Uniform1f(flags->scaleUniform, pass->scale);
     if (flags->depthBuffer == 0)
@@ -217,15 +232,21 @@ void qcFragmentFlags_Draw(const struct qcGlFunctions* gl, const qcFragmentFlags*
     gl->DrawArrays(GL_TRIANGLES, (GLint)first * flags->vertexCount, (GLsizei)count * flags->vertexCount);
 }
 
-void qcFragmentFlags_Read(const struct qcGlFunctions* gl, const qcFragmentFlags* flags)
+qcStatus qcFragmentFlags_Read(const struct qcGlFunctions* gl, qcFragmentFlags* flags)
 {
     uint32_t* failed = flags->flags.data;
-    size_t count = flags->flags.count;
-    if (count == 0)
-        return;
-    // Flags that can't be read keep this value: hidden is the conservative result.
-    memset(failed, 0xff, count * sizeof(uint32_t));
+    const size_t words = flags->flags.count, end = words - 1;
+    // 0 is what the buffer has before the pass, all ones is what isn't read.
+    flags->runNumber = flags->runNumber % INT32_MAX + 1;
+    gl->UseProgram(flags->endProgram);
+    gl->Uniform1ui(flags->endUniform, (GLuint)end);
+    gl->Uniform1ui(flags->runUniform, flags->runNumber);
+    (void)qcGl_Dispatch(gl, 1);
+    memset(failed, 0xff, words * sizeof(uint32_t));
     gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, flags->flagBuffer);
-    gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)(count * sizeof(uint32_t)), failed);
+    gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)(words * sizeof(uint32_t)), failed);
+    if (failed[end] != flags->runNumber)
+        return qcFail(qc_statusDevice, "visibility flags: the device hasn't drawn a pass");
+    return qc_statusOk;
 }

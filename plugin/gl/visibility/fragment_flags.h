@@ -13,12 +13,13 @@
 /// GL objects, and memory retained between passes. All zero at first.
 typedef struct qcFragmentFlags
 {
-    GLuint program, cornerBuffer, polygonBuffer, flagBuffer;
+    GLuint program, endProgram, cornerBuffer, polygonBuffer, flagBuffer;
     GLuint depthBuffer; ///< of dilated triangles: a tile's depths, the bits of floats
     uint32_t tileSize;  ///< of these
-    GLint axisUniform, greaterUniform, partUniform, scaleUniform, tileSizeUniform, tileUniform;
+    GLint axisUniform, greaterUniform, partUniform, scaleUniform, tileSizeUniform, tileUniform, endUniform, runUniform;
+    uint32_t runNumber;  ///< of the last pass
     GLsizei vertexCount; ///< of a polygon
-    qcArray flags;       ///< of uint32_t, one a step: 0 if no fragment failed
+    qcArray flags;       ///< of uint32_t, one a step: 0 if no fragment failed; then the number of the pass
 } qcFragmentFlags;
 
 /// What a fragment that passes the current depth test does.
@@ -58,7 +59,7 @@ void qcFragmentFlags_BeginTile(const struct qcGlFunctions* gl, const qcFragmentF
 /// Draws polygons with the current depth test.
 void qcFragmentFlags_Draw(const struct qcGlFunctions* gl, const qcFragmentFlags* flags, size_t first, size_t count,
                           qcFlagPart part);
-/// Waits, then fills flags->flags.
-void qcFragmentFlags_Read(const struct qcGlFunctions* gl, const qcFragmentFlags* flags);
+/// Waits, then fills flags->flags. Fails if the device has not come to the end of the pass.
+qcStatus qcFragmentFlags_Read(const struct qcGlFunctions* gl, qcFragmentFlags* flags);
 
 #endif

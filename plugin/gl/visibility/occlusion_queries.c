@@ -179,13 +179,14 @@ static void ReadPending(const struct qcGlFunctions* gl, PassJob* job)
     job->firstPending = job->endPending;
 }
 
-static void ReadFlags(const struct qcGlFunctions* gl, const PassJob* job)
+static qcStatus ReadFlags(const struct qcGlFunctions* gl, const PassJob* job)
 {
-    const qcFragmentFlags* flags = &job->visibility->flags;
-    qcFragmentFlags_Read(gl, flags);
+    qcFragmentFlags* flags = &job->visibility->flags;
+    QC_TRY(qcFragmentFlags_Read(gl, flags));
     for (uint32_t i = 0; i < job->scheduledCount; ++i)
         if (QC_AT(uint32_t, flags->flags, i) != 0)
             job->visible[StepOf(job, i)] = 0;
+    return qc_statusOk;
 }
 
 static qcStatus BeginFlags(const struct qcGlFunctions* gl, PassJob* job, float scale)
@@ -292,9 +293,8 @@ static qcStatus DrawPass(const struct qcGlFunctions* gl, void* context)
         DrawTile(gl, job, tile);
     }
     if (v->storesFlags)
-        ReadFlags(gl, job);
-    else
-        ReadPending(gl, job);
+        return ReadFlags(gl, job);
+    ReadPending(gl, job);
     return qc_statusOk;
 }
 

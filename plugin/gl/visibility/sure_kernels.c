@@ -20,7 +20,7 @@ enum
     qc_maxSampledParts = 1000,
     // Places for the renders of cells, per part. A triangle as large as a cell touches four on average.
     qc_entriesPerPart = 8,
-    qc_counterCount = 2
+    qc_counterCount = 3
 };
 
 typedef enum Kernel
@@ -46,7 +46,8 @@ typedef enum Buffer
 typedef struct Parameters
 {
     uint32_t partCount, axis, cellsPerSide, entryCapacity;
-    float resolution, cellsPerPixel, direction, unused;
+    float resolution, cellsPerPixel, direction;
+    uint32_t runNumber;
 } Parameters;
 
 /// A triangle of a step, as the shaders have it.
@@ -190,7 +191,8 @@ qcStatus qcSureKernels_Find(const struct qcGlFunctions* gl, qcSureKernels* kerne
                              .cellsPerSide = ChooseCells(kernels, view),
                              .entryCapacity = (uint32_t)entryCapacity,
                              .resolution = (float)view->resolution,
-                             .direction = view->fromBack ? -1.0f : 1.0f};
+                             .direction = view->fromBack ? -1.0f : 1.0f,
+                             .runNumber = ++kernels->runNumber};
     parameters.cellsPerPixel = (float)parameters.cellsPerSide / (float)view->resolution;
     QC_TRY(qcArray_Resize(&kernels->found, count + qc_counterCount, sizeof(uint32_t), "results of visibility tests"));
     Upload(gl, kernels, &parameters, corners);
@@ -199,12 +201,15 @@ qcStatus qcSureKernels_Find(const struct qcGlFunctions* gl, qcSureKernels* kerne
     Run(gl, kernels, qc_kernelEntries, count);
     Run(gl, kernels, qc_kernelTests, qc_lanes * count);
     uint32_t* results = kernels->found.data;
-    // A buffer that can't be read leaves this value: too many entries.
-    results[0] = UINT32_MAX;
+    // A buffer that can't be read leaves this value.
+    results[2] = ~parameters.runNumber;
     gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, kernels->buffers[qc_bufferResults]);
     gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)((count + qc_counterCount) * sizeof(uint32_t)),
                          results);
+    // A context that is lost, and can't say so, runs nothing.
+    if (results[2] != parameters.runNumber)
+        return qcFail(qc_statusDevice, "visibility: the device hasn't run the kernels");
     if (results[0] <= parameters.entryCapacity && results[1] == 0)
         *found = results + qc_counterCount;
     return qc_statusOk;

@@ -18,8 +18,9 @@ typedef struct qcSureKernels
     GLuint buffers[qc_sureBufferCount];
     size_t bytes[qc_sureBufferCount]; ///< of each buffer
     size_t maxBytes;                  ///< of a buffer for shaders
+    uint32_t runNumber;               ///< of the last pass
     qcArray parts;                    ///< of the pass
-    qcArray found;                    ///< uint32_t: two counters, then of each part of the pass the qcSureFound
+    qcArray found;                    ///< uint32_t: three counters, then of each part of the pass the qcSureFound
 } qcSureKernels;
 
 bool qcSureKernels_AreSupported(const struct qcGlFunctions* gl);

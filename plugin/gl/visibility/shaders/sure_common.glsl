@@ -7,6 +7,7 @@ layout(std140, binding = 0) uniform Parameters
 {
     uint partCount, axis, cellsPerSide, entryCapacity;
     float resolution, cellsPerPixel, direction; // -1: depths grow towards the eye
+    uint runNumber;
 };
 
 const uint usesTest = 1u, usesRender = 2u;
@@ -35,9 +36,10 @@ layout(std430, binding = 2) buffer Triangles { Triangle triangles[]; };
 // By cell: the number of its entries, then the end of those written; and behind them, by cell, its first entry.
 layout(std430, binding = 3) buffer Cells { uint cells[]; };
 layout(std430, binding = 4) buffer Entries { Entry entries[]; };
-// The number of entries, whether a loop was stopped, then for each part what is drawn of it, or that it is hidden.
+// The number of entries, whether a loop was stopped, the number of the last run that has come to the tests, then for each
+// part what is drawn of it, or that it is hidden.
 layout(std430, binding = 5) buffer Results { uint results[]; };
-const uint entryCounter = 0u, stopCounter = 1u, firstResult = 2u;
+const uint entryCounter = 0u, stopCounter = 1u, runCounter = 2u, firstResult = 3u;
 const uint isHiddenPart = 4u;
 
 // Pixels by which a rasteriser may move a corner, in x and y each: GL demands 4 bits of subpixel.

@@ -179,6 +179,8 @@ bool markHiders(Triangle t, uint step, uint lane)
 void main()
 {
     uint i = itemOf() / lanes, lane = gl_LocalInvocationID.x % lanes, place = gl_LocalInvocationID.x / lanes;
+    if (itemOf() == 0u)
+        results[runCounter] = runNumber;
     bool isTested = i < partCount && (parts[min(i, partCount - 1u)].y & usesTest) != 0u;
     uint step = isTested ? parts[i].y >> 2 : 0u;
     Triangle t;
