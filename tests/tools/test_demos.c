@@ -225,6 +225,24 @@ START_TEST(pieces_from_a_file_move_as_those_that_were_saved)
     ck_assert_ptr_nonnull(strstr(GetErrors(), "qcFracture_Load: p.qcp: the last record at byte "));
     ck_assert_int_eq(Run(FRACTURE " --mesh angle.obj --pieces 5 --steps 3 --save q.qcp --device none --out o"), 1);
     ck_assert_ptr_nonnull(strstr(GetErrors(), "nothing broke, and q.qcp was not written"));
+    ck_assert_int_eq(Run(FRACTURE " --mesh angle.obj --load p.qcp --save q.qcp --device none --out o"), 2);
+    ck_assert_ptr_nonnull(strstr(GetErrors(), "--save: nothing is cut with --load"));
+    ck_assert_int_eq(Run(FRACTURE " --mesh angle.obj --save no/q.qcp --device none --out o"), 1);
+    ck_assert_ptr_nonnull(strstr(GetErrors(), "qc-fracture: no/q.qcp: No such file or directory"));
+    LeaveFolder();
+}
+END_TEST
+
+/// Coarse grids make triangles twice of the bunny's ears, and qcFracture_Split refuses these.
+START_TEST(a_mesh_breaks_however_coarse_it_is_made)
+{
+    static const char* const counts[] = {"100", "300", "700"};
+    EnterFolder();
+    for (int i = 0; i < 3 && QC_BUNNY[0] != 0; ++i)
+        ck_assert_msg(Run(FRACTURE " --mesh " QC_BUNNY " --triangles %s --pieces 5 --precut --steps 1 --device none "
+                                   "--out o",
+                          counts[i]) == 0,
+                      "%s", GetErrors());
     LeaveFolder();
 }
 END_TEST
@@ -325,5 +343,6 @@ END_TEST
 QC_RUN_TESTS("demos", the_costs_of_a_step_add_up_to_it,
              a_body_breaks_once_keeps_its_momentum_and_its_pieces_stay_above_the_floor,
              the_result_depends_on_the_seed_and_not_on_method_and_threads,
-             pieces_from_a_file_move_as_those_that_were_saved, frames_are_drawn_where_there_is_a_device,
-             mistakes_are_refused_with_a_message, what_can_not_be_printed_is_a_failure, a_signal_ends_them_with_a_table)
+             pieces_from_a_file_move_as_those_that_were_saved, a_mesh_breaks_however_coarse_it_is_made,
+             frames_are_drawn_where_there_is_a_device, mistakes_are_refused_with_a_message,
+             what_can_not_be_printed_is_a_failure, a_signal_ends_them_with_a_table)

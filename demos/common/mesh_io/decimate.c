@@ -9,7 +9,8 @@
 
 enum
 {
-    qc_maxCells = 1 << 12 // along the longest edge of the box
+    qc_maxCells = 1 << 12, // along the longest edge of the box
+    qc_maxTries = 16       // grids
 };
 
 typedef struct Member
@@ -87,6 +88,80 @@ static uint32_t FindCells(Clusters* c, uint32_t maxTriangles)
     return low;
 }
 
+/// A triangle that is left: its clusters in ascending order, and whether they are so in an odd permutation.
+typedef struct Face
+{
+    uint32_t corners[3], isOdd;
+} Face;
+
+static int CompareFaces(const void* a, const void* b)
+{
+    return memcmp(((const Face*)a)->corners, ((const Face*)b)->corners, sizeof((const Face*)a)->corners);
+}
+
+static void SortCorners(Face* face, size_t i)
+{
+    uint32_t low = face->corners[i], high = face->corners[i + 1];
+    if (low <= high)
+        return;
+    face->corners[i] = high;
+    face->corners[i + 1] = low;
+    face->isOdd ^= 1;
+}
+
+/// True if parts that fell together make a triangle twice, where two that face each other count as none. `faces` has
+/// room for all.
+static bool HasDoubles(const Clusters* c, Face* faces)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < c->mesh->triangleCount; ++i)
+    {
+        faces[count].isOdd = 0;
+        if (!GetCorners(c, i, faces[count].corners))
+            continue;
+        SortCorners(&faces[count], 0);
+        SortCorners(&faces[count], 1);
+        SortCorners(&faces[count], 0);
+        ++count;
+    }
+    qsort(faces, count, sizeof *faces, CompareFaces);
+    int64_t times = 0;
+    bool hasDoubles = false;
+    for (uint32_t i = 0; i < count; ++i)
+    {
+        if (i > 0 && CompareFaces(&faces[i - 1], &faces[i]) != 0)
+            times = 0;
+        times += faces[i].isOdd != 0 ? -1 : 1;
+        bool isLast = i + 1 == count || CompareFaces(&faces[i], &faces[i + 1]) != 0;
+        hasDoubles |= isLast && (times > 1 || times < -1);
+    }
+    return hasDoubles;
+}
+
+/// Groups by the finest grid with at most `maxTriangles` triangles, none of them twice: the inside of a closed mesh
+/// would count twice there. If no grid with half as many triangles is so, by the finest one. False: out of memory.
+static bool Group(Clusters* c, uint32_t maxTriangles)
+{
+    uint32_t finest = FindCells(c, maxTriangles);
+    Cluster(c, finest);
+    uint32_t most = CountTriangles(c), least = most / 2;
+    Face* faces = malloc(((size_t)most + 1) * sizeof *faces);
+    if (faces == NULL)
+        return false;
+    uint32_t cells = finest;
+    bool found = !HasDoubles(c, faces);
+    while (!found && cells > 1 && finest - cells < qc_maxTries)
+    {
+        Cluster(c, --cells);
+        uint32_t count = CountTriangles(c);
+        found = count >= least && count <= most && !HasDoubles(c, faces);
+    }
+    if (!found)
+        Cluster(c, finest);
+    free(faces);
+    return true;
+}
+
 static void PutVertices(const Clusters* c, float* positions)
 {
     for (uint32_t i = 0, cluster = 0; i < c->mesh->vertexCount; ++cluster)
@@ -108,9 +183,8 @@ static bool Build(Clusters* c, uint32_t triangleCount, qcMesh* coarse)
 {
     c->members = malloc(c->mesh->vertexCount * sizeof *c->members);
     c->clusters = malloc(c->mesh->vertexCount * sizeof *c->clusters);
-    if (c->members == NULL || c->clusters == NULL)
+    if (c->members == NULL || c->clusters == NULL || !Group(c, triangleCount))
         return false;
-    Cluster(c, FindCells(c, triangleCount));
     coarse->vertexCount = c->clusterCount;
     coarse->positions = malloc((size_t)c->clusterCount * 3 * sizeof(float));
     coarse->indices = malloc(((size_t)CountTriangles(c) * 3 + 1) * sizeof(uint32_t));

@@ -9,8 +9,8 @@ extern "C" {
 #endif
 
 /// Makes a mesh of floats with about `triangleCount` triangles: the vertices in each cell of a grid become their mean,
-/// and triangles that collapse are left out. Keeps the shape; the surface may intersect itself. Deterministic to the
-/// bit. False: out of memory.
+/// and triangles that collapse are left out. Keeps the shape; the surface may intersect itself. A grid that makes no
+/// triangle twice is preferred. Deterministic to the bit. False: out of memory.
 bool qcMesh_Decimate(const qcMesh* mesh, uint32_t triangleCount, qcMesh* coarse);
 
 #ifdef __cplusplus
