@@ -1,5 +1,6 @@
 #!/bin/sh
-# What is installed can be used from outside, through CMake and through pkg-config, and brings no GL along.
+# What is installed can be used from outside, through CMake and through pkg-config, and brings no GL along. A project
+# can embed the source.
 # test_packaging.sh BUILD_FOLDER SOURCE_FOLDER LIBRARY_FOLDER CC CXX [bullet] [bullet_double] [fracture] ...
 set -eu
 
@@ -99,6 +100,10 @@ for program in "$manual"/demos/hello/*.cpp; do
     # shellcheck disable=SC2046 # Flags are words.
     [ -z "$alone" ] || "$CXX" -std=c++14 "$program" -I"$prefix/include" $(pkg-config --cflags "$alone") -fsyntax-only
 done
+
+echo "== inside another project"
+cmake -S "$source/tests/house/embedding" -B "$work/embedding" -DQC_SOURCE="$source" >"$work/log" 2>&1 ||
+    fail "$(cat "$work/log")"
 
 echo "== through CMake"
 components=$(printf '%s;' "$@")
