@@ -158,6 +158,8 @@ run_bench()
             keep_output "$root/out/bench/ablation.txt" "$root/build/demos/qc-ablation" "$@"
             ;;
         paper)
+            # Mistakes are found before the recordings are made, which takes long.
+            "$bench" "$@" --help >/dev/null || return $?
             case "$*" in
                 *--recordings*) ;;
                 *) for scene in cloth breaking leaves; do make_recording "$scene"; done ;;

@@ -3,6 +3,7 @@
 
 #include "common/output_file.h"
 
+#include <errno.h>
 #include <png.h>
 #include <string.h>
 
@@ -17,9 +18,11 @@ bool qcPng_Write(const char* path, uint32_t width, uint32_t height, const uint8_
     image.width = width;
     image.height = height;
     image.format = PNG_FORMAT_RGB;
+    errno = 0;
     if (!png_image_write_to_stdio(&image, output.stream, 0, rgb, 0, NULL))
     {
-        qcMessage_Fail(message, "%s: %s", path, image.message);
+        // The reason is more than "Write Error" of libpng.
+        qcMessage_Fail(message, "%s: %s", path, errno != 0 ? strerror(errno) : image.message);
         png_image_free(&image);
         qcOutput_Abort(&output);
         return false;

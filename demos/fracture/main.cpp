@@ -11,6 +11,7 @@
 #include "common/files.h"
 #include "common/mesh_io/bunny_path.h"
 #include "common/interrupt.h"
+#include "common/output_file.h"
 #include "common/progress.h"
 
 #include <cstdio>
@@ -150,6 +151,23 @@ int View(Options options, qcDevice* device)
     qcViewedFracture scene(model, options.request, device);
     return qcView_Run(&scene, options.view, device);
 }
+
+/// Whether the pieces can be saved: found before the mesh is read, and the body falls.
+int CheckSave(const Options& options)
+{
+    if (options.request.save == nullptr)
+        return qc_exitDone;
+    if (options.load != nullptr)
+    {
+        qcDemo_Fail("--save: nothing is cut with --load");
+        return qc_exitUsage;
+    }
+    qcMessage message;
+    if (qcOutput_Check(options.request.save, &message))
+        return qc_exitDone;
+    qcDemo_Fail(message.text);
+    return qc_exitFailed;
+}
 } // namespace
 
 int main(int argumentCount, char** arguments)
@@ -160,11 +178,11 @@ int main(int argumentCount, char** arguments)
          qcOption_Text(&options.mesh)},
         {1, "triangles", "N", "The mesh is made coarser until it has about as many; %s by default",
          qcOption_Number(&options.triangles, 100, 10000000)},
-        {1, "save", "FILE", "The pieces go to a file when they are cut", qcOption_Text(&options.request.save)},
+        {1, "save", "FILE", "The pieces go to a file when they are cut; not with --load",
+         qcOption_Text(&options.request.save)},
         {1, "load", "FILE",
          "The pieces come from a file of --save, made of the same --mesh with the same --triangles; there is nothing "
-         "to "
-         "cut then, and --pieces and --seed have no effect",
+         "to cut then, and --pieces and --seed have no effect",
          qcOption_Text(&options.load)},
         {1, "pieces", "N", "Voronoi cells, each with a piece or more; %s by default",
          qcOption_Number(&options.request.pieces, 1, 10000)},
@@ -178,7 +196,9 @@ int main(int argumentCount, char** arguments)
         return status;
     options.request.method = options.common.method;
     options.request.threads = options.common.threads;
-    status = options.view.Opens() ? View(options, device) : Run(options, device);
+    status = CheckSave(options);
+    if (status == qc_exitDone)
+        status = options.view.Opens() ? View(options, device) : Run(options, device);
     qcDevice_Destroy(device);
     return status;
 }

@@ -69,7 +69,7 @@ static void ReadOptions(int argumentCount, char** arguments, Options* options)
             "pairs); "
             "milliseconds of the detection.\n"
             "Exit status: 0 done; 1 a check failed or the picture could not be written; 2 a mistake on the command "
-            "line; 4 the device does not work here.",
+            "line; 4 the device does not work here; 130 ended by Ctrl-C.",
         .complete = Complete,
         .context = options};
     qcCommandLine_Parse(&commandLine, argumentCount, arguments);

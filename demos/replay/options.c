@@ -11,14 +11,35 @@ static const qcWord s_methods[] = {{"recorded", qc_recordedMethod}, {"brute", qc
                                    {"quick", qc_methodQuick},       {"cullide", qc_methodCullide},
                                    {"auto", qc_methodAuto},         {NULL, 0}};
 
+/// The first option that has no effect with --list, or null.
+static const char* FindUnused(const qcReplayOptions* options)
+{
+    const struct
+    {
+        const char* name;
+        bool isSet;
+    } rows[] = {{"--csv", options->csv != NULL},
+                {"--each", options->each},
+                {"--from", options->from != 1},
+                {"--to", options->to != UINT32_MAX},
+                {"--method", options->method != qc_recordedMethod},
+                {"--threads", options->threads != qc_recordedThreads},
+                {"--device", options->deviceName != NULL}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        if (rows[i].isSet)
+            return rows[i].name;
+    return NULL;
+}
+
 static void CheckTogether(const struct argp_state* state, void* context)
 {
     qcReplayOptions* options = context;
     options->method = qcOption_ReadWord(state, "--method", options->methodName, s_methods);
     if (options->deviceName != NULL)
         options->device = (qcDeviceKind)qcOption_ReadWord(state, "--device", options->deviceName, qcDeviceWords);
-    if (options->csv != NULL && options->list)
-        argp_error(state, "--csv: --list replays nothing");
+    const char* unused = options->list ? FindUnused(options) : NULL;
+    if (unused != NULL)
+        argp_error(state, "%s: --list replays nothing", unused);
     if (options->csv != NULL && strcmp(options->csv, "-") == 0)
         argp_error(state, "--csv: the report has standard output; name a file");
     if (options->from > options->to)

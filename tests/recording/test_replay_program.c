@@ -247,6 +247,7 @@ START_TEST(mistakes_and_damage_are_named)
     ck_assert_ptr_nonnull(strstr(GetErrors(), "--csv: 'link' would replace 'a.qcr', which is read"));
     ck_assert_int_eq(Run(REPLAY " --csv - a.qcr"), 2);
     ck_assert_int_eq(Run(REPLAY " --list --csv a.csv a.qcr"), 2);
+    ck_assert_int_eq(Run(REPLAY " --list --to 1 a.qcr"), 2);
     static const char* const options[] = {"", "--list", "--each"};
     for (size_t i = 0; i < sizeof options / sizeof options[0]; i++)
     {

@@ -351,6 +351,13 @@ static const Mistake s_objMistakes[] = {
     {"v 0 0 0 \\\n\\\n\nv 1 0 0\nv 0 1 0\nf 1 2 \\\n 1.5\n", "line 7: '1.5' is not a corner of a face"},
 };
 
+START_TEST(zeros_in_an_obj_file_are_named_with_their_line)
+{
+    static const char text[] = "\xef\xbb\xbfv 0 0 0\nv 1 0 0\n\0\0\0\0v 0 1 0\nv 5 5 5\nf 1 2 3\n";
+    MustFail("a.obj", text, sizeof text - 1, "line 3: a byte of 0: the file is damaged, or no text");
+}
+END_TEST
+
 START_TEST(a_mistake_in_an_obj_file_is_named_with_its_line)
 {
     const Mistake* mistake = &s_objMistakes[_i];
@@ -508,6 +515,7 @@ int main(void)
     suite_add_tcase(suite, ply);
     TCase* obj = tcase_create("obj");
     tcase_add_test(obj, every_way_to_write_an_obj_corner_names_its_vertex);
+    tcase_add_test(obj, zeros_in_an_obj_file_are_named_with_their_line);
     tcase_add_loop_test(obj, a_mistake_in_an_obj_file_is_named_with_its_line, 0,
                         sizeof s_objMistakes / sizeof s_objMistakes[0]);
     suite_add_tcase(suite, obj);

@@ -139,11 +139,25 @@ static void EndStatement(qcMeshParser* parser)
     parser->line += newline != NULL;
 }
 
+/// A block of zeros, as a disk that fails leaves them, would hide the statements behind it in its line. True: none is
+/// here; false: the message names the line of the first one.
+static bool CheckZeros(qcMeshParser* parser)
+{
+    const char* zero = memchr(parser->cursor, 0, (size_t)(parser->end - parser->cursor));
+    if (zero == NULL)
+        return true;
+    for (const char* p = parser->cursor; p < zero; ++p)
+        parser->line += *p == '\n';
+    return qcMeshParser_Fail(parser, "a byte of 0: the file is damaged, or no text");
+}
+
 bool qcReadObj(qcMeshParser* parser)
 {
     static const char byteOrderMark[] = "\xef\xbb\xbf";
     if (parser->end - parser->cursor >= 3 && memcmp(parser->cursor, byteOrderMark, 3) == 0)
         parser->cursor += 3;
+    if (parser->cursor < parser->end && !CheckZeros(parser))
+        return false;
     ObjReader reader = {parser, 0, 0, 0, 0};
     for (; parser->cursor < parser->end; EndStatement(parser))
     {
