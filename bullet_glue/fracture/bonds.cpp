@@ -12,10 +12,8 @@ namespace
 {
 // In squared units: below it, corners that rounding moved make areas of pieces that touch along an edge.
 constexpr double s_minArea = 1e-13;
-// In units: narrower ones are of pieces that touch along an edge, from sites and corners of single precision.
-constexpr double s_minWidth = 1e-6;
-// In the same units: of positions, far above it.
-constexpr double s_rounding = 1e-9;
+// In units, of sites and corners of single precision: narrower areas are of pieces that touch along an edge.
+constexpr double s_minRounding = 1e-6;
 // Areas that differ by less than this part are equal but for rounding.
 constexpr double s_sameArea = 1e-10;
 
@@ -52,10 +50,10 @@ struct Area
     }
 
     /// True if it is a sliver of rounding, or nothing.
-    bool IsThin() const
+    bool IsThin(double rounding) const
     {
         const qcClipPoint extent = qcMinus(upper, lower);
-        return area < s_minArea || area < s_minWidth * std::sqrt(qcDotOf(extent, extent));
+        return area < s_minArea || area < rounding * std::sqrt(qcDotOf(extent, extent));
     }
 };
 
@@ -108,21 +106,21 @@ qcClipPoint PlaneNormal(const CutFace& face)
     return largest;
 }
 
-/// True if the boxes of two triangles meet, up to rounding: both lie in one plane.
-bool BoxesMeet(const Triangle& a, const Triangle& b)
+/// True if the boxes of two triangles meet, up to rounding: both lie in one plane, but for that.
+bool BoxesMeet(const Triangle& a, const Triangle& b, double rounding)
 {
     for (size_t axis = 0; axis < 3; axis++)
     {
         auto [lowA, highA] = std::minmax({a[0][axis], a[1][axis], a[2][axis]});
         auto [lowB, highB] = std::minmax({b[0][axis], b[1][axis], b[2][axis]});
-        if (lowA > highB + s_rounding || lowB > highA + s_rounding)
+        if (lowA > highB + 2 * rounding || lowB > highA + 2 * rounding)
             return false;
     }
     return true;
 }
 
 /// The overlap of two faces on different sides of a cut. O(triangles * triangles).
-Area Overlap(const CutFace& one, const CutFace& other)
+Area Overlap(const CutFace& one, const CutFace& other, double rounding)
 {
     Area area;
     std::vector<qcClipPoint> polygon;
@@ -133,7 +131,7 @@ Area Overlap(const CutFace& one, const CutFace& other)
         const double side = turn > 0 ? 1 : -1;
         for (const Triangle& subject : one.triangles)
         {
-            if (turn == 0 || !BoxesMeet(subject, corner))
+            if (turn == 0 || !BoxesMeet(subject, corner, rounding))
                 continue;
             polygon.assign(subject.begin(), subject.end());
             for (size_t edge = 0; edge < 3 && !polygon.empty(); edge++)
@@ -151,9 +149,9 @@ Area Overlap(const CutFace& one, const CutFace& other)
 
 /// `lowNormal`: the vector area of the whole lower face.
 void AddBond(const CutFace& low, const CutFace& high, const qcClipPoint& lowNormal, const Area& area,
-             const qcFractureUnits& units, std::vector<qcBond>* bonds)
+             const qcFractureUnits& units, double rounding, std::vector<qcBond>* bonds)
 {
-    if (area.IsThin())
+    if (area.IsThin(rounding))
         return;
     qcBond bond;
     bond.pieceA = low.piece;
@@ -186,7 +184,7 @@ bool IsShared(const CutFace* begin, const CutFace* middle, const CutFace* end)
 
 /// The bonds in one cut: the faces from `begin` to `middle` are on its lower side, those up to `end` on the other.
 void AddBonds(const CutFace* begin, const CutFace* middle, const CutFace* end, const qcFractureUnits& units,
-              std::vector<qcBond>* bonds)
+              double rounding, std::vector<qcBond>* bonds)
 {
     const bool isShared = IsShared(begin, middle, end), takesLow = end - middle == 1;
     for (const CutFace* low = begin; low != middle; low++)
@@ -194,8 +192,8 @@ void AddBonds(const CutFace* begin, const CutFace* middle, const CutFace* end, c
         const Area whole = AreaOf(*low);
         for (const CutFace* high = middle; high != end; high++)
         {
-            const Area area = !isShared ? Overlap(*low, *high) : takesLow ? whole : AreaOf(*high);
-            AddBond(*low, *high, whole.normal, area, units, bonds);
+            const Area area = !isShared ? Overlap(*low, *high, rounding) : takesLow ? whole : AreaOf(*high);
+            AddBond(*low, *high, whole.normal, area, units, rounding, bonds);
         }
     }
 }
@@ -224,9 +222,10 @@ std::vector<CutFace> FindFaces(const std::vector<qcPieceCuts>& pieces)
 }
 } // namespace
 
-std::vector<qcBond> qcFindBonds(const std::vector<qcPieceCuts>& pieces, const qcFractureUnits& units)
+std::vector<qcBond> qcFindBonds(const std::vector<qcPieceCuts>& pieces, const qcFractureUnits& units, double rounding)
 {
     std::vector<CutFace> faces = FindFaces(pieces);
+    rounding = std::max(rounding, s_minRounding);
     std::vector<qcBond> bonds;
     for (const CutFace *begin = faces.data(), *last = begin + faces.size(); begin != last;)
     {
@@ -234,7 +233,7 @@ std::vector<qcBond> qcFindBonds(const std::vector<qcPieceCuts>& pieces, const qc
             begin, last,
             [&](const CutFace& face) { return face.lowCell != begin->lowCell || face.highCell != begin->highCell; });
         const CutFace* middle = std::find_if(begin, end, [](const CutFace& face) { return face.isHigh; });
-        AddBonds(begin, middle, end, units, &bonds);
+        AddBonds(begin, middle, end, units, rounding, &bonds);
         begin = end;
     }
     std::sort(bonds.begin(), bonds.end(),

@@ -19,8 +19,9 @@ struct qcPieceCuts
 };
 
 /// The bonds between pieces, ordered by the two pieces. Where one side of a cut has a single face, and both sides have
-/// the same area, each face of the other side counts as a whole; otherwise the overlap of faces is computed. About
+/// the same area, each face of the other side counts as a whole; otherwise the overlap of faces is computed. Areas
+/// that are narrower than `rounding`, that of the mesh's corners in units, have no bond. About
 /// O(cut triangles * log(cut triangles)).
-std::vector<qcBond> qcFindBonds(const std::vector<qcPieceCuts>& pieces, const qcFractureUnits& units);
+std::vector<qcBond> qcFindBonds(const std::vector<qcPieceCuts>& pieces, const qcFractureUnits& units, double rounding);
 
 #endif

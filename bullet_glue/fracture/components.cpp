@@ -80,33 +80,41 @@ size_t UniteAcrossEdges(const qcFacetedMesh& mesh, qcUnionFind* parts)
     return sets;
 }
 
-/// The meshes of the triangles of each set, each with its own vertices, in the order of their first triangles.
-std::vector<qcFacetedMesh> MeshesOf(const qcFacetedMesh& mesh, qcUnionFind* sets)
+/// The meshes of the triangles of each set, each with its own vertices, in the order of their first triangles. `setOf`:
+/// a number below that of triangles and points, for the index of a triangle.
+template <typename Function>
+std::vector<qcFacetedMesh> MeshesOf(const qcFacetedMesh& mesh, qcClipScratch* scratch, Function setOf)
 {
     std::vector<qcFacetedMesh> meshes;
-    std::vector<std::vector<uint32_t>> newIndices; // by set
-    std::vector<uint32_t> setOf(mesh.triangles.size(), s_none);
+    std::vector<uint32_t>&meshOf = scratch->component, &newIndices = scratch->newIndices;
+    meshOf.assign(std::max(mesh.triangles.size(), mesh.points.size()), s_none);
     for (uint32_t i = 0; i < mesh.triangles.size(); i++)
     {
-        qcClipTriangle triangle = mesh.triangles[i];
-        uint32_t& set = setOf[sets->Find(i)];
-        if (set == s_none)
+        uint32_t& index = meshOf[setOf(i)];
+        if (index == s_none)
         {
-            set = uint32_t(meshes.size());
+            index = uint32_t(meshes.size());
             meshes.emplace_back();
-            newIndices.emplace_back(mesh.points.size(), s_none);
         }
-        for (uint32_t& corner : triangle.corner)
-        {
-            uint32_t& newIndex = newIndices[set][corner];
-            if (newIndex == s_none)
+        meshes[index].triangles.push_back(mesh.triangles[i]);
+    }
+    newIndices.assign(mesh.points.size(), 0);
+    std::vector<uint32_t> points; // of one mesh; new indices that don't lead back are of an earlier one
+    for (qcFacetedMesh& part : meshes)
+    {
+        points.clear();
+        for (qcClipTriangle& triangle : part.triangles)
+            for (uint32_t& corner : triangle.corner)
             {
-                newIndex = uint32_t(meshes[set].points.size());
-                meshes[set].points.push_back(mesh.points[corner]);
+                uint32_t& newIndex = newIndices[corner];
+                if (newIndex >= points.size() || points[newIndex] != corner)
+                {
+                    newIndex = uint32_t(points.size());
+                    points.push_back(corner);
+                    part.points.push_back(mesh.points[corner]);
+                }
+                corner = newIndex;
             }
-            corner = newIndex;
-        }
-        meshes[set].triangles.push_back(triangle);
     }
     return meshes;
 }
@@ -119,40 +127,17 @@ std::vector<qcFacetedMesh> FindTouching(const qcFacetedMesh& mesh, qcClipScratch
     for (const qcClipTriangle& triangle : mesh.triangles)
         for (size_t c = 1; c < 3; c++)
             components.Unite(triangle.corner[c], triangle.corner[0]);
-    std::vector<qcFacetedMesh> meshes;
-    std::vector<uint32_t>&componentOf = scratch->component, &newIndices = scratch->newIndices;
-    componentOf.assign(mesh.points.size(), s_none);
-    newIndices.assign(mesh.points.size(), s_none);
-    for (qcClipTriangle triangle : mesh.triangles)
-    {
-        uint32_t& component = componentOf[components.Find(triangle.corner[0])];
-        if (component == s_none)
-        {
-            component = uint32_t(meshes.size());
-            meshes.emplace_back();
-        }
-        for (uint32_t& corner : triangle.corner)
-        {
-            uint32_t& newIndex = newIndices[corner];
-            if (newIndex == s_none)
-            {
-                newIndex = uint32_t(meshes[component].points.size());
-                meshes[component].points.push_back(mesh.points[corner]);
-            }
-            corner = newIndex;
-        }
-        meshes[component].triangles.push_back(triangle);
-    }
-    return meshes;
+    return MeshesOf(mesh, scratch, [&](uint32_t i) { return components.Find(mesh.triangles[i].corner[0]); });
 }
 
 /// Replaces a component by its parts, connected across edges, if at least two of them hold more than `minVolume`.
-void SplitWhereItTouches(qcFacetedMesh component, double minVolume, qcUnionFind* sets,
+void SplitWhereItTouches(qcFacetedMesh component, double minVolume, qcClipScratch* scratch,
                          std::vector<qcFacetedMesh>* components)
 {
+    qcUnionFind& sets = scratch->components;
     std::vector<qcFacetedMesh> parts;
-    if (UniteAcrossEdges(component, sets) > 1)
-        parts = MeshesOf(component, sets);
+    if (UniteAcrossEdges(component, &sets) > 1)
+        parts = MeshesOf(component, scratch, [&](uint32_t i) { return sets.Find(i); });
     qcClipPoint first;
     const auto holds = [&](const qcFacetedMesh& part) { return qcFacetedMesh_Measure(part, &first) > minVolume; };
     if (std::count_if(parts.begin(), parts.end(), holds) > 1)
@@ -170,7 +155,7 @@ std::vector<qcFacetedMesh> qcFacetedMesh_FindComponents(const qcFacetedMesh& mes
         return touching;
     std::vector<qcFacetedMesh> components;
     for (qcFacetedMesh& component : touching)
-        SplitWhereItTouches(std::move(component), minVolume, &scratch->components, &components);
+        SplitWhereItTouches(std::move(component), minVolume, scratch, &components);
     return components;
 }
 

@@ -34,10 +34,12 @@ constexpr double s_minVolume = 100 * s_volumeError; ///< of a mesh: above the er
 constexpr double s_sureWinding = 0.45;
 // In units: corners in cuts are off by less.
 constexpr double s_cutError = 1e-12;
-// Faces lie in cuts if their corners are off by less: relative to the largest coordinate of the mesh, and in units. In
-// double, too, since models come from files of single precision. In 200 meshes of cubes turned in single precision, 2
-// epsilon were enough. At 1e-6 the cells of a lattice begin to overlap by more than the tolerance.
-constexpr double s_faceRounding = 8 * double(std::numeric_limits<float>::epsilon()), s_maxFaceRounding = 1e-6;
+// Faces lie in cuts if their corners are off by less: the rounding of btScalar, relative to the largest coordinate of
+// the mesh. In double, too, that of single precision, which models in files have, up to a limit in units. In 200 meshes
+// of cubes turned in single precision, 2 epsilon were enough. Beyond the last limit narrow bonds would be lost.
+constexpr double s_faceRounding = 8 * double(std::numeric_limits<btScalar>::epsilon());
+constexpr double s_fileRounding = 8 * double(std::numeric_limits<float>::epsilon()), s_maxFileRounding = 1e-6;
+constexpr double s_maxRounding = 4e-3;
 
 qcFracture Fail(const std::string& message)
 {
@@ -123,7 +125,8 @@ qcRoundedFaces RoundedFacesOf(const qcFractureDef& def, const qcFractureUnits& u
         for (size_t i = 0; i < 3; i++)
             largest = std::max(largest, std::fabs(p[i] + units.origin[i]));
     qcRoundedFaces faces;
-    faces.rounding = std::min(s_faceRounding * largest, s_maxFaceRounding);
+    faces.rounding = std::max(std::min(s_faceRounding * largest, s_maxRounding),
+                              std::min(s_fileRounding * largest, s_maxFileRounding));
     faces.corners.resize(def.indices.size() / 3);
     for (const qcClipTriangle& triangle : mesh.triangles)
         for (size_t c = 0; c < 3; c++)
@@ -456,27 +459,36 @@ double VolumeOf(const std::vector<CellPieces>& cellPieces)
     return volume;
 }
 
-/// True if the pieces together have the volume of the mesh: none is missing, none overlap.
-bool FillMesh(const Job& job, const std::vector<CellPieces>& cellPieces)
+/// True if the pieces together have the volume of the mesh: none is missing, none overlap. `error`: in cubic units.
+bool FillMesh(const Job& job, const std::vector<CellPieces>& cellPieces, double error)
 {
-    return std::fabs(VolumeOf(cellPieces) - job.volume) <= s_volumeShare * job.volume + s_volumeError;
+    return std::fabs(VolumeOf(cellPieces) - job.volume) <= s_volumeShare * job.volume + error;
 }
 
-/// The pieces of all cells. Faces that lie in cuts but for rounding are laid in them, unless that costs volume.
-std::vector<CellPieces> ClipToCells(const Job& job)
+/// Finds the pieces of all cells. Faces that lie in cuts but for rounding are laid in them. Far from the origin that
+/// may cost volume in the order of the squared rounding: then the cuts are checked without. False: the pieces don't
+/// fill the mesh.
+bool ClipToCells(const Job& job, std::vector<CellPieces>* cellPieces)
 {
     const std::vector<qcFractureCell> cells = qcFindFractureCells(job.solid.points, job.sites.local);
-    std::vector<CellPieces> cellPieces;
+    const double roundedError = s_volumeError + job.rounded.rounding * job.rounded.rounding;
     for (bool byDistance : {false, true})
-        for (const qcRoundedFaces* rounded : {&job.rounded, static_cast<const qcRoundedFaces*>(nullptr)})
-        {
-            if (!byDistance && cells.empty())
-                continue;
-            cellPieces = byDistance ? ClipByDistance(job, rounded) : ClipByNeighbours(job, cells, rounded);
-            if (FillMesh(job, cellPieces))
-                return cellPieces;
-        }
-    return cellPieces;
+    {
+        if (!byDistance && cells.empty())
+            continue;
+        auto clip = [&](const qcRoundedFaces* rounded)
+        { return byDistance ? ClipByDistance(job, rounded) : ClipByNeighbours(job, cells, rounded); };
+        *cellPieces = clip(&job.rounded);
+        if (FillMesh(job, *cellPieces, s_volumeError))
+            return true;
+        std::vector<CellPieces> plain = clip(nullptr);
+        const bool isFilled = FillMesh(job, plain, s_volumeError);
+        if (!isFilled || !FillMesh(job, *cellPieces, roundedError))
+            *cellPieces = std::move(plain);
+        if (isFilled)
+            return true;
+    }
+    return false;
 }
 
 double Random(uint64_t* state)
@@ -514,8 +526,8 @@ qcFracture qcFracture_Split(const qcFractureDef& def)
         defect = Prepare(def, &scratch, &job);
     if (!defect.empty())
         return Fail(defect);
-    std::vector<CellPieces> cellPieces = ClipToCells(job);
-    if (!FillMesh(job, cellPieces))
+    std::vector<CellPieces> cellPieces;
+    if (!ClipToCells(job, &cellPieces))
         return Fail("the pieces hold " + qcTextOf(VolumeOf(cellPieces) / job.volume) +
                     " of the mesh's volume: rounding errors of the cuts are too large");
     qcFracture fracture;
@@ -531,7 +543,7 @@ qcFracture qcFracture_Split(const qcFractureDef& def)
         lost += some.lostVolume;
     }
     fracture.lostVolume = job.units.GlobalVolume(lost);
-    fracture.bonds = qcFindBonds(cuts, job.units);
+    fracture.bonds = qcFindBonds(cuts, job.units, job.rounded.rounding);
     return fracture;
 }
 

@@ -68,7 +68,7 @@ struct qcClipScratch
     std::vector<uint32_t> remaining;
     //  Components of a mesh.
     qcUnionFind components;          ///< of points, or of triangles
-    std::vector<uint32_t> component; ///< by representative point
+    std::vector<uint32_t> component; ///< by representative point or triangle
 };
 
 #endif

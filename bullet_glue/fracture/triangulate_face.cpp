@@ -311,6 +311,16 @@ void FillLoop(qcFacetedMesh* mesh, std::vector<uint32_t> loop, uint32_t face)
     }
 }
 
+/// Fills loops, each by itself.
+void FillLoops(qcFacetedMesh* mesh, uint32_t face, const qcClipLoops& loops)
+{
+    for (size_t loop = 0; loop < loops.ends.size(); loop++)
+        FillLoop(mesh,
+                 {loops.points.begin() + std::ptrdiff_t(loops.Begin(loop)),
+                  loops.points.begin() + std::ptrdiff_t(loops.ends[loop])},
+                 face);
+}
+
 /// Closes the edges that the face's triangles, from `first` on, leave open. What does so may overlap: closedness and
 /// the signed volume matter most. This happens to loops without area, or that cross.
 void FillOpenLoops(qcFacetedMesh* mesh, size_t first, uint32_t face, const qcClipLoops& loops, qcClipScratch* scratch)
@@ -322,12 +332,7 @@ void FillOpenLoops(qcFacetedMesh* mesh, size_t first, uint32_t face, const qcCli
     for (size_t i = first; i < mesh->triangles.size(); i++)
         scratch->edges.Add(mesh->triangles[i].corner);
     scratch->edges.FindLoops(true, &scratch->openLoops);
-    const qcClipLoops& open = scratch->openLoops;
-    for (size_t loop = 0; loop < open.ends.size(); loop++)
-        FillLoop(mesh,
-                 {open.points.begin() + std::ptrdiff_t(open.Begin(loop)),
-                  open.points.begin() + std::ptrdiff_t(open.ends[loop])},
-                 face);
+    FillLoops(mesh, face, scratch->openLoops);
 }
 
 //  ---- loops of edges --------------------------------------------------------------------------------
@@ -495,32 +500,48 @@ double FoldedArea(const qcFacetedMesh& mesh, size_t first, const qcClipPoint& no
     }
     return area - std::sqrt(qcDotOf(normal, normal)) / 2;
 }
-/// Adds the triangles of loops, which may lose points.
-void TriangulateLoops(qcFacetedMesh* mesh, const qcClipPoint& normal, uint32_t face, qcClipLoops* loops,
-                      qcClipScratch* scratch)
+
+/// Replaces the triangles from `first` on by those that a function adds, if these are folded less.
+template <typename Function>
+void Unfold(qcFacetedMesh* mesh, size_t first, const qcClipPoint& normal, Function addOthers)
 {
-    auto hasOutline = [&]
-    {
-        return loops->ends.size() == 1 && loops->points.size() <= s_maxCorners &&
-               Outline(*mesh, normal, *loops, scratch).Triangulate(face, &mesh->triangles);
-    };
-    if (hasOutline() || (CutSpikes(mesh, face, loops) && hasOutline()))
-        return;
-    const size_t first = mesh->triangles.size();
-    TriangulateAny(mesh, normal, face, *loops, scratch);
     const double folded = FoldedArea(*mesh, first, normal);
-    if (folded < s_foldedArea || loops->points.size() > s_maxCorners)
+    if (folded < s_foldedArea)
         return;
-    std::vector<qcClipTriangle> triangles(mesh->triangles.begin() + std::ptrdiff_t(first), mesh->triangles.end());
+    const std::vector<qcClipTriangle> triangles(mesh->triangles.begin() + std::ptrdiff_t(first), mesh->triangles.end());
     mesh->triangles.resize(first);
-    SplitAtCorners(mesh, face, loops);
-    TriangulateAny(mesh, normal, face, *loops, scratch);
+    addOthers();
     if (FoldedArea(*mesh, first, normal) < folded)
         return;
     mesh->triangles.resize(first);
     mesh->triangles.insert(mesh->triangles.end(), triangles.begin(), triangles.end());
 }
 
+/// Adds the triangles of loops, which may lose points.
+void TriangulateLoops(qcFacetedMesh* mesh, const qcClipPoint& normal, uint32_t face, qcClipLoops* loops,
+                      qcClipScratch* scratch)
+{
+    size_t first = mesh->triangles.size();
+    auto hasOutline = [&]
+    {
+        first = mesh->triangles.size();
+        return loops->ends.size() == 1 && loops->points.size() <= s_maxCorners &&
+               Outline(*mesh, normal, *loops, scratch).Triangulate(face, &mesh->triangles);
+    };
+    const bool isOutline = hasOutline() || (CutSpikes(mesh, face, loops) && hasOutline());
+    if (!isOutline)
+        TriangulateAny(mesh, normal, face, *loops, scratch);
+    if (loops->points.size() > s_maxCorners)
+        return;
+    // The normal of a loop without area is one of rounding, and large triangles back to back may face its way.
+    Unfold(mesh, first, normal, [&] { FillLoops(mesh, face, *loops); });
+    Unfold(mesh, first, normal,
+           [&]
+           {
+               SplitAtCorners(mesh, face, loops);
+               TriangulateAny(mesh, normal, face, *loops, scratch);
+           });
+}
 } // namespace
 
 void qcClipFace_Add(qcFacetedMesh* mesh, uint32_t face, const qcHalfEdge* halfEdges, size_t count,

@@ -68,7 +68,8 @@ struct qcFracture
     std::string message;           ///< the defect of the input, and its place
     std::vector<qcPiece> pieces;   ///< in an order that depends on the input only
     /// Of all pairs of pieces that share an area, by pieceA, then pieceB. Areas that are less than 1e-6 of the mesh's
-    /// length wide are of pieces that touch along an edge: they have none.
+    /// length wide, or narrower than the distance within which triangles lie in cuts, are of pieces that touch along an
+    /// edge: they have none.
     std::vector<qcBond> bonds;
     double volume = 0; ///< of the mesh
     /// Of dropped splinters, each below 1e-9 of the mesh's volume, and of dropped parts that are inside out, where the
@@ -80,9 +81,11 @@ struct qcFracture
 
 /// Splits a mesh. Equal input gives equal pieces; input scaled by a power of two gives the pieces scaled, bit by bit.
 /// Coincident triangles with opposite orientation are dropped. A triangle of the mesh lies in a cut if its corners are
-/// less than 1e-6 of the mesh's length from it, as where mesh and sites are turned in single precision. The volumes of
-/// pieces and splinters sum up to the mesh's volume, parts that are inside out counted as negative, with an error of at
-/// most 1e-12 of it plus 1e-14 of the cube of the mesh's length.
+/// less than 1e-6 of the mesh's length from it, as where mesh and sites are turned in single precision, or less than 8
+/// epsilon of btScalar times the mesh's largest coordinate (up to 0.004 of the length), as where they are far from the
+/// origin in float. The volumes of pieces and splinters sum up to the mesh's volume, parts that are inside out counted
+/// as negative, with an error of at most 1e-12 of it plus 1e-14 of the cube of the mesh's length; far from the origin,
+/// plus that length times the square of the distance within which triangles lie in cuts.
 ///
 /// qc_statusBadInput, and no pieces:
 /// - an index is out of range, a vertex or site is not finite, two sites are equal, or there is no site;

@@ -327,6 +327,29 @@ START_TEST(a_cut_through_many_teeth_takes_linear_time)
 }
 END_TEST
 
+START_TEST(parts_that_touch_each_other_in_edges_are_told_apart_in_linear_time)
+{
+    double seconds[2];
+    for (int i = 0; i < 2; i++)
+    {
+        const int count = i == 0 ? 1000 : 8000;
+        qcFractureDef def;
+        for (int box = 0; box < count; box++)
+            qcAddToBreak(&def, qcBoxToBreak(1, 1, 1), btVector3(btScalar(2 * box), btScalar(2 * box), 0));
+        def.sites = {btVector3(0, 0, 0)};
+        seconds[i] = std::numeric_limits<double>::max();
+        for (int run = 0; run < 3; run++)
+        {
+            const std::clock_t start = std::clock();
+            ck_assert_uint_eq(qcFracture_Split(def).pieces.size(), size_t(count));
+            seconds[i] = std::min(seconds[i], double(std::clock() - start) / CLOCKS_PER_SEC);
+        }
+    }
+    // Eight times as many boxes take 8 times as long. With a list of all vertices for each box it was 100.
+    ck_assert_msg(seconds[1] < 24 * seconds[0], "%g s, and %g s for eight times as many boxes", seconds[0], seconds[1]);
+}
+END_TEST
+
 /// An L of 2 x 2 x 1, and sites whose cuts lie in its inner faces.
 qcFractureDef AngleToBreak()
 {
@@ -580,7 +603,9 @@ QC_RUN_TESTS("fracture", pieces_are_closed_lie_in_their_cells_and_fill_the_mesh,
              hollows_make_holes_in_cuts, a_hollow_belongs_to_the_piece_around_it,
              a_hollow_that_touches_the_surface_or_a_cut_is_kept,
              parts_that_touch_in_an_edge_or_a_corner_only_are_pieces_of_their_own,
-             a_cut_through_many_teeth_takes_linear_time, cuts_in_the_faces_of_a_turned_mesh_leave_its_surface_outside,
+             a_cut_through_many_teeth_takes_linear_time,
+             parts_that_touch_each_other_in_edges_are_told_apart_in_linear_time,
+             cuts_in_the_faces_of_a_turned_mesh_leave_its_surface_outside,
              sites_around_an_impact_far_from_zero_are_different,
              the_same_input_gives_the_same_pieces_and_sites_gather_around_an_impact, pieces_of_pieces_are_split_again,
              momentum_and_angular_momentum_are_kept, pieces_of_a_very_light_body_are_not_static,

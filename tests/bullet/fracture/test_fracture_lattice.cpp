@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <random>
 #include <set>
@@ -144,6 +145,55 @@ START_TEST(sites_in_all_centres_give_the_cubes_and_a_bond_for_each_shared_side)
 }
 END_TEST
 
+/// Turns and scales the cubes and a site in each cell, empty ones included, moves them by a place, rounds them to
+/// single precision or btScalar, and checks that they fall apart into the cubes.
+static void CheckFallApart(const std::set<Cell>& cells, const btMatrix3x3& turn, double scale, double place,
+                           bool isSingle)
+{
+    const double side[3] = {0.8 * place, -0.5 * place, 0.33 * place};
+    const double rounding = s_latticeRounding + 16 * double(std::numeric_limits<btScalar>::epsilon()) * place;
+    qcFractureDef def = CubesToBreak(cells);
+    for (int i = 0; i < s_side * s_side * s_side; i++)
+        def.sites.push_back(CentreOf({i % s_side, i / s_side % s_side, i / (s_side * s_side)}));
+    for (std::vector<btVector3>* points : {&def.vertices, &def.sites})
+        for (btVector3& point : *points)
+        {
+            const btVector3 turned = turn * point;
+            for (int axis = 0; axis < 3; axis++)
+            {
+                const double moved = scale * (double(turned[axis]) + side[axis]);
+                point[axis] = isSingle ? btScalar(float(moved)) : btScalar(moved);
+            }
+        }
+    const qcFracture fracture = qcFracture_Split(def);
+    ck_assert_msg(fracture.status == qc_statusOk, "%s", fracture.message.c_str());
+    ck_assert_uint_eq(fracture.pieces.size(), cells.size());
+    const double area = scale * scale, cube = scale * area;
+    double volume = 0, bonds = 0;
+    size_t shared = 0;
+    for (const qcPiece& piece : fracture.pieces)
+    {
+        const int site = int(piece.site);
+        const Cell cell = {site % s_side, site / s_side % s_side, site / (s_side * s_side)};
+        size_t neighbours = 0;
+        for (int axis = 0; axis < 3; axis++)
+            neighbours += cells.count(NeighbourOf(cell, axis, -1)) + cells.count(NeighbourOf(cell, axis, 1));
+        ck_assert(qcIsClosed(piece));
+        ck_assert_double_eq_tol(piece.volume / cube, 1, rounding);
+        ck_assert_double_eq_tol(qcVolumeOf(piece.vertices, piece.indices) / cube, piece.volume / cube, rounding);
+        ck_assert_double_eq_tol(qcCutAreaOf(piece) / area, double(neighbours), rounding);
+        volume += piece.volume;
+        shared += neighbours;
+    }
+    // None between cubes that touch along an edge.
+    ck_assert_uint_eq(2 * fracture.bonds.size(), shared);
+    for (const qcBond& bond : fracture.bonds)
+        bonds += bond.area / area;
+    ck_assert_double_eq_tol(2 * bonds, double(shared), rounding * (1 + double(shared)));
+    ck_assert_double_eq_tol(volume + fracture.lostVolume, fracture.volume,
+                            (3e-12 + rounding * rounding) * fracture.volume);
+}
+
 START_TEST(cubes_that_are_turned_fall_apart_where_sites_are_in_empty_cells_too)
 {
     // Their corners are off the planes of the cuts by the rounding of single precision, which files have.
@@ -151,41 +201,37 @@ START_TEST(cubes_that_are_turned_fall_apart_where_sites_are_in_empty_cells_too)
     for (int mesh = 0; mesh < 60; mesh++)
     {
         const std::set<Cell> cells = RandomCells(&random);
-        if (cells.empty())
-            continue;
-        qcFractureDef def = CubesToBreak(cells);
-        for (int i = 0; i < s_side * s_side * s_side; i++)
-            def.sites.push_back(CentreOf({i % s_side, i / s_side % s_side, i / (s_side * s_side)}));
         const btMatrix3x3 turn(btQuaternion(btVector3(1, btScalar(mesh % 7), 2).normalized(), btScalar(mesh)));
-        for (std::vector<btVector3>* points : {&def.vertices, &def.sites})
-            for (btVector3& point : *points)
-            {
-                point = turn * point;
-                for (int axis = 0; axis < 3; axis++)
-                    point[axis] = btScalar(float(point[axis]));
-            }
-        const qcFracture fracture = qcFracture_Split(def);
-        ck_assert_msg(fracture.status == qc_statusOk, "%s", fracture.message.c_str());
-        ck_assert_uint_eq(fracture.pieces.size(), cells.size());
-        double volume = 0;
-        size_t shared = 0;
-        for (const qcPiece& piece : fracture.pieces)
+        if (!cells.empty())
+            CheckFallApart(cells, turn, 1, 0, true);
+    }
+}
+END_TEST
+
+START_TEST(cubes_far_from_the_origin_fall_apart_as_those_at_it_do)
+{
+    for (const double lengths : {3.0, 10.0, 20.0, 30.0, 100.0, 1000.0})
+    {
+        std::mt19937_64 random(5);
+        for (int mesh = 0; mesh < 60; mesh++)
         {
-            const int site = int(piece.site);
-            const Cell cell = {site % s_side, site / s_side % s_side, site / (s_side * s_side)};
-            size_t neighbours = 0;
-            for (int axis = 0; axis < 3; axis++)
-                neighbours += cells.count(NeighbourOf(cell, axis, -1)) + cells.count(NeighbourOf(cell, axis, 1));
-            ck_assert(qcIsClosed(piece));
-            ck_assert_double_eq_tol(piece.volume, 1, s_latticeRounding);
-            ck_assert_double_eq_tol(qcVolumeOf(piece.vertices, piece.indices), piece.volume, s_latticeRounding);
-            ck_assert_double_eq_tol(qcCutAreaOf(piece), double(neighbours), s_latticeRounding);
-            volume += piece.volume;
-            shared += neighbours;
+            const std::set<Cell> cells = RandomCells(&random);
+            const btMatrix3x3 turn(btQuaternion(btVector3(1, btScalar(mesh % 7), 2).normalized(), btScalar(mesh)));
+            if (!cells.empty())
+                CheckFallApart(cells, turn, 1, s_side * lengths, lengths < 5);
         }
-        // None between cubes that touch along an edge.
-        ck_assert_uint_eq(2 * fracture.bonds.size(), shared);
-        ck_assert_double_eq_tol(volume + fracture.lostVolume, fracture.volume, 3e-12 * fracture.volume);
+    }
+}
+END_TEST
+
+START_TEST(bonds_of_cubes_whose_sides_are_off_the_cuts_by_rounding_are_whole)
+{
+    std::mt19937_64 random(7);
+    for (int mesh = 0; mesh < 600; mesh++)
+    {
+        const std::set<Cell> cells = RandomCells(&random);
+        if (!cells.empty())
+            CheckFallApart(cells, btMatrix3x3::getIdentity(), 1 + double(random() % 1000) / 1000, 0, true);
     }
 }
 END_TEST
@@ -254,4 +300,6 @@ END_TEST
 
 QC_RUN_TESTS("fracture on a lattice", sites_in_all_centres_give_the_cubes_and_a_bond_for_each_shared_side,
              cubes_that_are_turned_fall_apart_where_sites_are_in_empty_cells_too,
+             cubes_far_from_the_origin_fall_apart_as_those_at_it_do,
+             bonds_of_cubes_whose_sides_are_off_the_cuts_by_rounding_are_whole,
              a_cut_between_two_layers_is_what_cubes_of_both_share, cut_faces_lie_flat_where_cuts_meet_corners_and_edges)

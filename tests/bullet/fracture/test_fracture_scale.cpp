@@ -233,7 +233,8 @@ START_TEST(meshes_far_from_the_origin_fall_into_pieces_that_fill_them)
             qcFractureDef moved = Moved(def, 1, place);
             if ((s_isFloat && distance > 1e6) || HavePointsAtTheSamePlace(moved.sites))
                 continue;
-            CheckPieces(moved, 1, place, "at " + std::to_string(distance));
+            const qcFracture fracture = CheckPieces(moved, 1, place, "at " + std::to_string(distance));
+            ck_assert_uint_ge(fracture.bonds.size() + 1, fracture.pieces.size()); // they hang together
         }
 }
 END_TEST
