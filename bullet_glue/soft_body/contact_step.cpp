@@ -119,12 +119,12 @@ void qcSoftBodyContact::Implementation::SolveCcd()
     SolveConstraints();
 }
 
-/// True if tangles of these two bodies are worked apart.
-bool qcSoftBodyContact::Implementation::IsUntangled(uint32_t slotA, uint32_t slotB)
+/// True if this pair of a tangle is worked apart. What is anchored to an object may pass through its surface.
+bool qcSoftBodyContact::Implementation::IsUntangled(const qcPair& pair)
 {
-    const qcSceneSoftBody *a = scene.Find(slotA), *b = scene.Find(slotB);
+    const qcSceneSoftBody *a = scene.Find(pair.bodyA), *b = scene.Find(pair.bodyB);
     return (a == nullptr || a->settings.untangle) && (b == nullptr || b->settings.untangle) &&
-           m_tangles.Contains(slotA, slotB) && qcHasResponse(scene, slotA, slotB);
+           m_tangles.Contains(pair.bodyA, pair.bodyB) && qcHasResponse(scene, pair);
 }
 
 /// Moves tangled surfaces towards separation.
@@ -143,7 +143,7 @@ qcStatus qcSoftBodyContact::Implementation::Untangle()
         return status;
     std::vector<qcPair> pairs;
     std::copy_if(m_result->pairs, m_result->pairs + m_result->pairCount, std::back_inserter(pairs),
-                 [this](const qcPair& pair) { return IsUntangled(pair.bodyA, pair.bodyB); });
+                 [this](const qcPair& pair) { return IsUntangled(pair); });
     m_curves.Find(scene, pairs, perturbation);
     std::vector<qcUntanglement> untanglements = qcFindUntanglements(m_curves);
     m_tangles.MarkParts(untanglements);

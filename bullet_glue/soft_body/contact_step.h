@@ -70,7 +70,7 @@ struct qcSoftBodyContact::Implementation
     qcStatus Certify();
     qcStatus ReadEnd();
     void SolveCcd();
-    bool IsUntangled(uint32_t slotA, uint32_t slotB);
+    bool IsUntangled(const qcPair& pair);
     qcStatus Untangle();
     qcStatus FindContacts(bool isFirst);
     void PushApart();

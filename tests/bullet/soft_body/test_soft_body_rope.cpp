@@ -536,6 +536,54 @@ START_TEST(a_rope_of_springs_stays_draped_and_is_caught_by_a_pole)
     }
 }
 END_TEST
+
+/// The nodes of a rope between the centres of two balls, some steps later.
+std::vector<btVector3> RopeBetweenCentres(btSoftBodySolver* solver, btScalar radius)
+{
+    btSoftBodyRigidBodyCollisionConfiguration configuration;
+    btCollisionDispatcher dispatcher(&configuration);
+    qcBroadphase broadphase;
+    btSequentialImpulseConstraintSolver impulses;
+    btSoftRigidDynamicsWorld world(&dispatcher, &broadphase, &impulses, &configuration, solver);
+    world.setGravity(btVector3(0, -10, 0));
+    btSphereShape shape(radius);
+    btRigidBody top(0, nullptr, &shape), ball(1, nullptr, &shape, btVector3(1, 1, 1) * (radius * radius / 2));
+    const btVector3 above(0, 15, 2), below(0, 7, 0);
+    top.setWorldTransform(btTransform(btQuaternion::getIdentity(), above));
+    ball.setWorldTransform(btTransform(btQuaternion::getIdentity(), below));
+    world.addRigidBody(&top);
+    world.addRigidBody(&ball);
+    btSoftBody* rope = btSoftBodyHelpers::CreateRope(world.getWorldInfo(), above, below, 1, 0);
+    rope->setTotalMass(btScalar(0.1));
+    rope->m_cfg.piterations = 5;
+    rope->appendAnchor(0, &top);
+    rope->appendAnchor(2, &ball);
+    world.addSoftBody(rope);
+    for (int i = 0; i < 30; i++)
+        world.stepSimulation(s_ropeStep, 0);
+    std::vector<btVector3> nodes;
+    for (int i = 0; i < rope->m_nodes.size(); i++)
+        nodes.push_back(rope->m_nodes[i].m_x);
+    world.removeSoftBody(rope);
+    delete rope;
+    world.removeRigidBody(&top);
+    world.removeRigidBody(&ball);
+    return nodes;
+}
+
+START_TEST(a_rope_goes_through_the_surface_of_what_it_is_anchored_in)
+{
+    for (btScalar radius : {btScalar(0.3), btScalar(1)})
+    {
+        qcSoftBodySolver ours;
+        btDefaultSoftBodySolver bullets;
+        const std::vector<btVector3> found = RopeBetweenCentres(&ours, radius),
+                                     expected = RopeBetweenCentres(&bullets, radius);
+        for (size_t i = 0; i < expected.size(); i++)
+            ck_assert_double_lt(double(found[i].distance(expected[i])), 1e-3);
+    }
+}
+END_TEST
 } // namespace
 
 QC_RUN_TESTS("soft_body_rope", a_rope_thrown_over_a_cylinder_stays_draped,
@@ -545,4 +593,5 @@ QC_RUN_TESTS("soft_body_rope", a_rope_thrown_over_a_cylinder_stays_draped,
              bending_links_and_braces_do_not_push, links_may_be_added_and_removed_between_two_steps,
              a_rope_lies_on_a_rope_and_on_a_cloth, a_callback_may_make_nodes_lighter,
              anchors_hold_boxes_to_what_hangs_over_a_beam, ropes_that_are_anchored_at_one_point_do_not_push_each_other,
-             a_rope_of_springs_stays_draped_and_is_caught_by_a_pole)
+             a_rope_of_springs_stays_draped_and_is_caught_by_a_pole,
+             a_rope_goes_through_the_surface_of_what_it_is_anchored_in)
