@@ -10,6 +10,7 @@ void qcSweptChildren::Clear()
 {
     m_children.clear();
     m_blocks.clear();
+    m_meshCount = 0;
     m_radius = 0;
     m_areRead = false;
     m_areAll = true;
@@ -50,6 +51,7 @@ void qcSweptChildren::Read(const btCollisionShape* compound, qcConvexCores* core
             m_areAll = m_areAll && !qcIsMesh(shape);
     };
     qcForEachSimpleShape(compound, btTransform::getIdentity(), addMesh);
+    m_meshCount = m_children.size();
     auto addCore = [this, cores](const btCollisionShape* shape, const btTransform& local)
     {
         if (!shape->isConvex())

@@ -39,6 +39,11 @@ class qcSweptChildren
     {
         return m_children.size();
     }
+    /// The first ones are meshes, the others cores.
+    size_t MeshCount() const
+    {
+        return m_meshCount;
+    }
     const Child& operator[](size_t child) const
     {
         return m_children[child];
@@ -76,6 +81,7 @@ class qcSweptChildren
 
     std::vector<Child> m_children;
     std::vector<Block> m_blocks; ///< of the children, margins included
+    size_t m_meshCount = 0;
     btScalar m_radius = 0;
     bool m_areRead = false, m_areAll = true;
 };

@@ -281,6 +281,7 @@ qcSweptObject& qcSweptObjects::ReadTarget(btCollisionObject* object, bool takesC
     swept.carried = swept.start;
     swept.isLookedUp = false;
     swept.children.Clear();
+    swept.nearChildren.clear();
     swept.pushes = 0;
     swept.fraction = 1;
     swept.FindTravel();

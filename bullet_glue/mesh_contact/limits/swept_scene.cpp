@@ -33,7 +33,6 @@ void ReadChildren(qcSweptObject* swept)
     const btCollisionShape* shape = swept->object->getCollisionShape();
     if (Stays(*swept) && shape->isCompound() && !swept->children.AreRead())
         swept->children.Read(shape, swept->cores);
-    swept->nearChildren.clear();
 }
 
 /// Adds the children of a compound that stays whose boxes meet that of the other object.
@@ -50,6 +49,20 @@ void AddNearChildren(const qcSweptObject& other, qcSweptObject* still)
     still->children.VisitBox(lower, upper, [still](size_t child) { still->nearChildren.push_back(uint32_t(child)); });
 }
 
+/// Removes numbers that are there twice, of those from `known` on; sorts these.
+void RemoveRepeated(size_t known, std::vector<uint32_t>* numbers)
+{
+    const auto first = numbers->begin() + ptrdiff_t(known);
+    std::vector<uint32_t> before(numbers->begin(), first);
+    std::sort(before.begin(), before.end());
+    std::sort(first, numbers->end());
+    numbers->erase(std::unique(first, numbers->end()), numbers->end());
+    numbers->erase(std::remove_if(first, numbers->end(),
+                                  [&before](uint32_t number)
+                                  { return std::binary_search(before.begin(), before.end(), number); }),
+                   numbers->end());
+}
+
 /// Calls function(mesh, transform, part) for what the scene holds of an object; see qcForEachSwept.
 template <typename Function> void ForEachHeld(const qcSweptObject& swept, const Function& function)
 {
@@ -60,7 +73,7 @@ template <typename Function> void ForEachHeld(const qcSweptObject& swept, const 
         return;
     }
     // The application may move the triangles of any mesh.
-    for (size_t i = 0; i < swept.children.Count() && swept.children[i].convex == nullptr; i++)
+    for (size_t i = 0; i < swept.children.MeshCount(); i++)
         function(swept.children[i].mesh, swept.children[i].local, qcSweptPart::mesh);
     for (qcSweptPart part : {qcSweptPart::core, qcSweptPart::innerCore})
         for (uint32_t i : swept.nearChildren)
@@ -73,13 +86,6 @@ template <typename Function> void ForEachHeld(const qcSweptObject& swept, const 
             if (mesh != nullptr)
                 function(mesh, child.local, part);
         }
-}
-
-/// True if a mesh of an object is in the scene from now on.
-bool IsHeld(const qcSweptObject& swept, size_t mesh)
-{
-    return swept.meshes[mesh].part != qcSweptPart::mesh || !HoldsNearOnly(swept) ||
-           std::binary_search(swept.nearChildren.begin(), swept.nearChildren.end(), uint32_t(mesh));
 }
 } // namespace
 
@@ -106,17 +112,30 @@ void qcSweptScene::FindNearChildren() const
 {
     for (qcSweptObject* swept : m_objects)
         ReadChildren(swept);
+    std::vector<size_t> known; // by object, how many are of earlier rounds: they keep their places in the scene
+    for (const qcSweptObject* swept : m_objects)
+        known.push_back(swept->nearChildren.size());
     for (const qcSweptPair& pair : *m_pairs)
     {
         AddNearChildren(*pair.first, pair.second);
         AddNearChildren(*pair.second, pair.first);
     }
-    for (qcSweptObject* swept : m_objects)
-    {
-        std::vector<uint32_t>& near = swept->nearChildren;
-        std::sort(near.begin(), near.end());
-        near.erase(std::unique(near.begin(), near.end()), near.end());
-    }
+    for (size_t i = 0; i < m_objects.size(); i++)
+        RemoveRepeated(known[i], &m_objects[i]->nearChildren);
+}
+
+/// Adds a mesh of an object to the scene, unless it is there.
+qcStatus qcSweptScene::AddMesh(qcSweptObject* swept, size_t index)
+{
+    qcSweptMesh& mesh = swept->meshes[index];
+    if (mesh.id.generation != 0)
+        return qc_statusOk;
+    const qcStatus status = mesh.AddTo(m_scene, swept->start, swept->number);
+    if (status != qc_statusOk)
+        return status;
+    m_meshOfSlot.resize(std::max(m_meshOfSlot.size(), size_t(mesh.id.slot) + 1));
+    m_meshOfSlot[mesh.id.slot] = {swept, index};
+    return qc_statusOk;
 }
 
 /// Brings the scene's meshes of an object up to date.
@@ -145,18 +164,14 @@ qcStatus qcSweptScene::AddMeshes(qcSweptObject* swept)
     };
     if (sameCount < count)
         ForEachHeld(*swept, add);
-    for (size_t i = 0; i < swept->meshes.size(); i++)
-    {
-        qcSweptMesh& mesh = swept->meshes[i];
-        if (mesh.id.generation != 0 || !IsHeld(*swept, i))
-            continue;
-        qcStatus status = mesh.AddTo(m_scene, swept->start, swept->number);
-        if (status != qc_statusOk)
-            return status;
-        m_meshOfSlot.resize(std::max(m_meshOfSlot.size(), size_t(mesh.id.slot) + 1));
-        m_meshOfSlot[mesh.id.slot] = {swept, i};
-    }
-    return qc_statusOk;
+    qcStatus status = qc_statusOk;
+    const size_t meshCount = HoldsNearOnly(*swept) ? swept->children.MeshCount() : 0;
+    for (uint32_t child : swept->nearChildren)
+        if (child < meshCount)
+            status = qcFirstError(status, AddMesh(swept, child));
+    for (size_t i = meshCount; i < swept->meshes.size(); i++)
+        status = qcFirstError(status, AddMesh(swept, i));
+    return status;
 }
 
 /// Places the meshes of all objects at the start or the end of the step.

@@ -41,6 +41,7 @@ class qcSweptScene
 
     void CollectObjects();
     void FindNearChildren() const;
+    qcStatus AddMesh(qcSweptObject* swept, size_t index);
     qcStatus AddMeshes(qcSweptObject* swept);
     qcStatus PlaceMeshes(bool atStart) const;
     Side SideOf(uint32_t slot) const;

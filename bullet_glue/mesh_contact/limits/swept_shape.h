@@ -34,7 +34,7 @@ struct qcSweptShape
     const qcSupportMesh* hull = nullptr; ///< the mesh or core, if there is one small one and nothing else
     std::vector<qcSweptHull> hulls;      ///< all that is tested; empty: hulls are not all
     qcSweptChildren children;            ///< of a compound at rest that others come near; read once a step
-    std::vector<uint32_t> nearChildren;  ///< numbers of those that others may meet, ascending; see qcSweptScene
+    std::vector<uint32_t> nearChildren;  ///< numbers of those that others may meet, as found in the step
     std::vector<qcSweptFloor> floors;    ///< of a dynamic body that consists of one small mesh
 
     /// True if a mesh deforms in the step.

@@ -512,17 +512,18 @@ START_TEST(cloth_anchored_inside_a_shape_hangs_from_it)
     for (int node = 6; node <= 10; node++)
         scene.cloth->appendAnchor(node, scene.body);
     const btVector3 anchor = scene.cloth->m_nodes[8].m_x;
-    // Anchors are soft, and the cloth swings: judged is the mean over the last two seconds.
+    // Anchors are soft, and the cloth swings: judged is the mean over the last five seconds, 0.095 with Bullet's
+    // solver.
     double sum = 0;
-    for (int step = 0; step < 180; step++)
+    for (int step = 0; step < 600; step++)
     {
         scene.Step();
         ck_assert_int_eq(scene.softSolver.getStatistics().zoneNodes, 0);
         double distance = double((scene.cloth->m_nodes[8].m_x - anchor).length());
         ck_assert_double_lt(distance, 0.2);
-        sum += step >= 60 ? distance / 120 : 0;
+        sum += step >= 300 ? distance / 300 : 0;
     }
-    ck_assert_double_lt(sum, 0.1);
+    ck_assert_double_lt(sum, 0.09);
     ck_assert_double_lt(double(scene.Center().y()), double(anchor.y()) - 0.5);
 }
 END_TEST
