@@ -41,11 +41,12 @@ void AddNearChildren(const qcSweptObject& other, qcSweptObject* still)
     if (!HoldsNearOnly(*still))
         return;
     const btVector3 half = (other.upper - other.lower) / 2, centre = other.lower + half;
-    const btScalar error =
-        s_boxError * (half.length() + centre.length() + still->start.getOrigin().length() + still->children.Radius());
+    const btVector3& origin = still->start.getOrigin();
+    const btScalar error = s_boxError * (half.length() + centre.length() + origin.length() + still->children.Radius());
+    // Bases are orthogonal only up to rounding, and what the application has set.
+    const btMatrix3x3 back = still->start.getBasis().inverse();
     btVector3 lower, upper;
-    btTransformAabb(half, error, still->start.inverse() * btTransform(btMatrix3x3::getIdentity(), centre), lower,
-                    upper);
+    btTransformAabb(half, error, btTransform(back, back * (centre - origin)), lower, upper);
     still->children.VisitBox(lower, upper, [still](size_t child) { still->nearChildren.push_back(uint32_t(child)); });
 }
 
