@@ -92,6 +92,14 @@ qcStatus qcRecordReader_Next(qcRecordReader* reader, qcRecord* record, bool* atE
     return qc_statusOk;
 }
 
+bool qcRecordReader_IsAtEnd(qcRecordReader* reader)
+{
+    int next = getc(reader->file);
+    if (next != EOF)
+        ungetc(next, reader->file);
+    return next == EOF;
+}
+
 void qcRecordReader_Close(qcRecordReader* reader)
 {
     if (reader->file != NULL)

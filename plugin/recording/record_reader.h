@@ -28,6 +28,8 @@ qcStatus qcRecordReader_Open(qcRecordReader* reader, const char* path);
 /// Reads the next record over `record`. *atEnd: there is none, and nothing is read. qc_statusFile: the record is
 /// damaged, or the file ends within it; the message is the reason without the place.
 qcStatus qcRecordReader_Next(qcRecordReader* reader, qcRecord* record, bool* atEnd);
+/// False: there are bytes behind the records that were read.
+bool qcRecordReader_IsAtEnd(qcRecordReader* reader);
 void qcRecordReader_Close(qcRecordReader* reader);
 
 #endif

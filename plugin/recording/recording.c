@@ -322,6 +322,8 @@ static qcStatus ReadOperation(qcRecording* recording, qcOperation* operation)
     QC_TRY(NextRecord(recording, &atEnd));
     operation->byteOffset = recording->record.byteOffset;
     uint32_t kind = recording->record.head.kind;
+    if (!atEnd && kind == qc_recordEnd && !qcRecordReader_IsAtEnd(&recording->reader))
+        return qcFail(qc_statusFile, "there are bytes behind the end of the recording");
     if (atEnd || kind == qc_recordEnd)
     {
         operation->isComplete = !atEnd;

@@ -137,6 +137,28 @@ START_TEST(a_file_cut_anywhere_is_read_up_to_the_cut)
 END_TEST
 
 /// QC_TEST_FILES: the number of files; QC_TEST_SEED: their seed.
+START_TEST(bytes_behind_the_end_are_found)
+{
+    Bytes whole = MakeRecording(s_scalarSizes[_i]);
+    unsigned char* twice = malloc(2 * whole.size);
+    ck_assert_ptr_nonnull(twice);
+    memcpy(twice, whole.data, whole.size);
+    memcpy(twice + whole.size, whole.data, whole.size);
+    qcStatus status;
+    bool isComplete;
+    const uint64_t operations = ReadAll(&status, &isComplete);
+    for (size_t more = 1; more <= whole.size; more += whole.size - 1)
+    {
+        WriteBytes(s_path, twice, whole.size + more);
+        ck_assert_uint_eq(ReadAll(&status, &isComplete), operations);
+        ck_assert_int_eq(status, qc_statusFile);
+        ck_assert_ptr_nonnull(strstr(qcLastMessage(), "behind the end"));
+    }
+    free(twice);
+    free(whole.data);
+}
+END_TEST
+
 START_TEST(forged_files_with_right_hashes_crash_nothing)
 {
     Bytes whole = MakeRecording(s_scalarSizes[_i]);
@@ -248,7 +270,7 @@ END_TEST
 int main(void)
 {
     const TTest* const each[] = {each_flipped_byte_is_found_and_named, a_file_cut_anywhere_is_read_up_to_the_cut,
-                                 forged_files_with_right_hashes_crash_nothing};
+                                 bytes_behind_the_end_are_found, forged_files_with_right_hashes_crash_nothing};
     const TTest* const once[] = {calls_of_a_broadphase_are_read_as_they_were_made,
                                  what_is_no_recording_is_refused_with_its_name,
                                  a_newer_format_is_refused_with_both_versions};
