@@ -28,6 +28,7 @@ btConvexHullComputer HullOf(const btConvexShape* shape)
 qcConvexCore qcConvexCores::MakeCore(const btConvexShape* shape, btScalar size)
 {
     qcConvexCore core;
+    core.shape = shape;
     const btConvexHullComputer hull = HullOf(shape);
     std::vector<uint32_t> indices;
     for (int face = 0; face < hull.faces.size(); face++)

@@ -20,6 +20,7 @@ constexpr btScalar qcInnerCoreSize = btScalar(0.4);
 /// The core of a convex shape, in the shape's frame: a part of the hull of its outermost points along some directions.
 struct qcConvexCore
 {
+    const btConvexShape* shape = nullptr;
     std::unique_ptr<qcMeshShape> mesh; ///< null: the shape is flat, empty or not finite
     std::shared_ptr<const qcSupportMesh> hull;
     btScalar halfWidth = 0; ///< smallest distance of the mesh's faces from its centre

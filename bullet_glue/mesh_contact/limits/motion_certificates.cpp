@@ -25,14 +25,6 @@ void qcMotionCertificates::LookUp(qcSweptObject* swept)
     swept->known = swept->Deforms() ? nullptr : m_gaps.FindCurrent(swept->object);
 }
 
-/// Reads the children of a compound that hulls of the other object may pass, once a step.
-void qcMotionCertificates::ReadChildren(const qcSweptObject& moving, qcSweptObject* still)
-{
-    if (!moving.hulls.empty() && !still->moves && !still->children.AreRead() &&
-        still->object->getCollisionShape()->isCompound())
-        still->children.Read(still->object->getCollisionShape(), still->cores);
-}
-
 /// Removes the pairs of which a function of their index is true. Calls for different pairs may run at once, on threads
 /// that take `block` pairs at a time.
 void qcMotionCertificates::Remove(size_t block, const std::function<bool(size_t)>& isProven,
@@ -62,8 +54,10 @@ void qcMotionCertificates::RemoveApart(const std::set<qcPairNumbers>& inner, std
     Remove(s_gapBlock, staysApart, pairs);
     for (const qcSweptPair& pair : *pairs)
     {
-        ReadChildren(*pair.first, pair.second);
-        ReadChildren(*pair.second, pair.first);
+        if (!pair.first->hulls.empty())
+            pair.second->ReadChildren();
+        if (!pair.second->hulls.empty())
+            pair.first->ReadChildren();
     }
     auto isClear = [&inner, pairs](size_t i)
     {
@@ -80,7 +74,7 @@ bool qcMotionCertificates::IsSeparated(const qcSweptPair& pair, const qcTouching
     const qcSweptObject &a = *pair.first, &b = *pair.second;
     const qcMovedHulls hulls{{a.hull, a.start}, {b.hull, b.start}, {a.hull, a.end}, {b.hull, b.end}};
     const qcPlacedSupport &startA = hulls.startA, &startB = hulls.startB;
-    const btScalar error = hulls.Error();
+    const btScalar error = hulls.error;
     bool isNew = a.isNew || b.isNew || touching.Include(pair);
     btScalar depth = isNew ? std::max(error, qcCornerRounding(a, b) / 2) : error;
     bool areTouching = isNew && m_axes.AreTouching(a.object, startA, b.object, startB);

@@ -61,7 +61,6 @@ class qcMotionCertificates
 
     void Remove(size_t block, const std::function<bool(size_t)>& isProven, std::vector<qcSweptPair>* pairs);
     void LookUp(qcSweptObject* swept);
-    static void ReadChildren(const qcSweptObject& moving, qcSweptObject* still);
     bool IsSeparated(const qcSweptPair& pair, const qcTouchingPairs& touching, Touch* touch) const;
 
     const qcBatchSettings& m_settings;

@@ -52,15 +52,9 @@ void qcSweptChildren::Read(const btCollisionShape* compound, qcConvexCores* core
     };
     qcForEachSimpleShape(compound, btTransform::getIdentity(), addMesh);
     m_meshCount = m_children.size();
-    auto addCore = [this, cores](const btCollisionShape* shape, const btTransform& local)
-    {
-        if (!shape->isConvex())
-            return;
-        const auto* convex = static_cast<const btConvexShape*>(shape);
-        const qcConvexCore& core = cores->Find(convex);
-        if (core.mesh != nullptr)
-            Add({core.mesh.get(), convex, core.hull.get(), local});
+    auto addCore = [this](const qcConvexCore& core, const btTransform& local) {
+        Add({core.mesh.get(), core.shape, core.hull.get(), local});
     };
     if (cores != nullptr)
-        qcForEachSimpleShape(compound, btTransform::getIdentity(), addCore);
+        cores->ForEachCore(compound, addCore);
 }

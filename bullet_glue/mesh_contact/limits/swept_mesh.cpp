@@ -101,20 +101,11 @@ qcSweptSource qcMakeSweptSource(const btCollisionShape* mesh, const btTransform&
     return source;
 }
 
-std::vector<qcSweptSource> qcCollectSwept(const btCollisionShape* shape, qcConvexCores* cores,
-                                          qcConvexCores* innerCores)
-{
-    std::vector<qcSweptSource> swept;
-    auto add = [&swept](const btCollisionShape* mesh, const btTransform& place, qcSweptPart part)
-    { swept.push_back(qcMakeSweptSource(mesh, place, part)); };
-    qcForEachSwept(shape, cores, innerCores, add);
-    return swept;
-}
-
-std::vector<qcSweptMesh> qcReadSweptMeshes(const std::vector<qcSweptSource>& present)
+std::vector<qcSweptMesh> qcReadSweptMeshes(const btCollisionShape* shape)
 {
     std::vector<qcSweptMesh> meshes;
-    for (const qcSweptSource& source : present)
-        meshes.emplace_back(source, true);
+    qcForEachSwept(shape, nullptr, nullptr,
+                   [&meshes](const btCollisionShape* mesh, const btTransform& place, qcSweptPart part)
+                   { meshes.emplace_back(qcMakeSweptSource(mesh, place, part), true); });
     return meshes;
 }

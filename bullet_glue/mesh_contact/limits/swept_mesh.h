@@ -75,10 +75,7 @@ void qcForEachSwept(const btCollisionShape* shape, qcConvexCores* cores, qcConve
                               { function(core.mesh.get(), place, part); });
 }
 qcSweptSource qcMakeSweptSource(const btCollisionShape* mesh, const btTransform& place, qcSweptPart part);
-/// The meshes and cores that qcForEachSwept finds.
-std::vector<qcSweptSource> qcCollectSwept(const btCollisionShape* shape, qcConvexCores* cores,
-                                          qcConvexCores* innerCores);
-/// Reads these meshes, which may deform in a later step.
-std::vector<qcSweptMesh> qcReadSweptMeshes(const std::vector<qcSweptSource>& present);
+/// Reads the meshes of a shape, which may deform in a later step.
+std::vector<qcSweptMesh> qcReadSweptMeshes(const btCollisionShape* shape);
 
 #endif

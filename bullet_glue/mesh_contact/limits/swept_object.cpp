@@ -18,6 +18,13 @@ bool qcSweptObject::EnclosesAtStart(qcSweptPart core, const qcSweptObject& other
     return false;
 }
 
+void qcSweptObject::ReadChildren()
+{
+    const btCollisionShape* shape = object->getCollisionShape();
+    if (!moves && shape->isCompound() && !children.AreRead())
+        children.Read(shape, cores);
+}
+
 void qcSweptObject::FindTravel()
 {
     travel = qcDisplacementBound(start, target, radius);

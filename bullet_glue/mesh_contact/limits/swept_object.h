@@ -87,6 +87,8 @@ struct qcSweptObject : qcSweptShape, qcSweptMotion
     }
     /// True if a mesh of another object is inside of one of its cores of this kind at the start of the step.
     bool EnclosesAtStart(qcSweptPart core, const qcSweptObject& other) const;
+    /// Reads the children of a compound that stays, once a step.
+    void ReadChildren();
     /// Sets `travel`.
     void FindTravel();
     /// Sets `moves` and the box, from start and end.

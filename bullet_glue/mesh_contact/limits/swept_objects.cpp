@@ -98,7 +98,7 @@ void qcSweptObjects::KeepTriangles(const btCollisionObject* object)
 {
     qcSweptObject* swept = Add(object);
     if (swept->meshes.empty())
-        swept->meshes = qcReadSweptMeshes(qcCollectSwept(object->getCollisionShape(), nullptr, nullptr));
+        swept->meshes = qcReadSweptMeshes(object->getCollisionShape());
 }
 
 void qcSweptObjects::InvalidateShape(const btCollisionShape* shape)
@@ -134,8 +134,7 @@ void qcSweptObjects::ReadTriangles(qcSweptObject* swept, qcScene* scene) const
     std::swap(swept->revision, revision);
     if (revision == 0 || (revision == swept->revision && !hasChanged))
         return;
-    std::vector<qcSweptMesh> last =
-        qcReadSweptMeshes(qcCollectSwept(swept->object->getCollisionShape(), nullptr, nullptr));
+    std::vector<qcSweptMesh> last = qcReadSweptMeshes(swept->object->getCollisionShape());
     last.swap(swept->meshes);
     for (size_t i = 0; i < std::min(last.size(), swept->meshes.size()); i++)
         swept->meshes[i].DeformFrom(&last[i]);

@@ -15,24 +15,11 @@ constexpr size_t s_fewChildren = 64;
 // Upper bound of the rounding of a box in another frame, as a part of the lengths that take part.
 constexpr btScalar s_boxError = 64 * SIMD_EPSILON;
 
-bool Stays(const qcSweptObject& swept)
-{
-    return !swept.IsFree() && !swept.moves;
-}
-
 /// True if the scene holds only those meshes of a compound that other objects may meet.
 bool HoldsNearOnly(const qcSweptObject& swept)
 {
-    return Stays(swept) && swept.children.AreRead() && swept.children.AreAll() &&
+    return !swept.IsFree() && !swept.moves && swept.children.AreRead() && swept.children.AreAll() &&
            swept.children.Count() > s_fewChildren;
-}
-
-/// Reads the children of a compound that stays, once a step.
-void ReadChildren(qcSweptObject* swept)
-{
-    const btCollisionShape* shape = swept->object->getCollisionShape();
-    if (Stays(*swept) && shape->isCompound() && !swept->children.AreRead())
-        swept->children.Read(shape, swept->cores);
 }
 
 /// Adds the children of a compound that stays whose boxes meet that of the other object.
@@ -112,7 +99,8 @@ void qcSweptScene::CollectObjects()
 void qcSweptScene::FindNearChildren() const
 {
     for (qcSweptObject* swept : m_objects)
-        ReadChildren(swept);
+        if (!swept->IsFree())
+            swept->ReadChildren();
     std::vector<size_t> known; // by object, how many are of earlier rounds: they keep their places in the scene
     for (const qcSweptObject* swept : m_objects)
         known.push_back(swept->nearChildren.size());

@@ -297,7 +297,6 @@ qcSeparation qcSeparateFromTriangle(const qcPlacedSupport& hull, const btVector3
 
 bool qcMovedHulls::AreSeparated(const qcSeparation& atStart) const
 {
-    const btScalar error = Error();
     if (atStart.gap <= error)
         return false;
     if (AreSeparatedAlong(atStart.axis))

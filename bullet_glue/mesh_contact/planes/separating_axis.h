@@ -40,16 +40,12 @@ qcSeparation qcSeparateFromTriangle(const qcPlacedSupport& hull, const btVector3
 struct qcMovedHulls
 {
     qcPlacedSupport startA, startB, endA, endB;
-
     /// Upper bound of the rounding of gaps.
-    btScalar Error() const
-    {
-        return qcGapError(startA, startB) + qcGapError(endA, endB);
-    }
+    btScalar error = qcGapError(startA, startB) + qcGapError(endA, endB);
+
     /// True if the direction separates the hulls at both times, beyond rounding.
     bool AreSeparatedAlong(const btVector3& axis) const
     {
-        const btScalar error = Error();
         return qcGapAlong(endA, endB, axis) > error && qcGapAlong(startA, startB, axis) > error;
     }
     /// Tries the direction of the largest gap at the start, that at the end, and the one between. False proves nothing.
