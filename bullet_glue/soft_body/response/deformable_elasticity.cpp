@@ -95,7 +95,30 @@ bool qcDeformableElasticity::Begin(const std::vector<LoadedBody>& bodies, btScal
         if (force->getForceType() != BT_GRAVITY_FORCE && std::any_of(bodies.begin(), bodies.end(), isOf))
             m_forces.push_back(force);
     }
+    RelaxPressedLinks();
     return true;
+}
+
+void qcDeformableElasticity::RelaxPressedLinks()
+{
+    m_pressed.clear();
+    for (const LoadedBody& loaded : m_bodies)
+        for (int i = 0; i < loaded.soft->body->m_links.size(); i++)
+        {
+            btSoftBody::Link& link = loaded.soft->body->m_links[i];
+            const btScalar length = (link.m_n[0]->m_q - link.m_n[1]->m_q).length();
+            if (!(length < link.m_rl))
+                continue;
+            m_pressed.push_back({&link, link.m_rl});
+            link.m_rl = length;
+        }
+}
+
+void qcDeformableElasticity::End()
+{
+    for (const PressedLink& pressed : m_pressed)
+        pressed.link->m_rl = pressed.restLength;
+    m_pressed.clear();
 }
 
 int qcDeformableElasticity::NodeCount() const

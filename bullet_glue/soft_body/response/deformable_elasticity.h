@@ -24,6 +24,10 @@ class qcDeformableElasticity : public qcNodeElasticity
     {
         return true;
     }
+    bool AlwaysResists() const override
+    {
+        return false;
+    }
     int MaxIterations(int) const override
     {
         return 100;
@@ -47,6 +51,7 @@ class qcDeformableElasticity : public qcNodeElasticity
         return true;
     }
     bool Begin(const std::vector<LoadedBody>& bodies, btScalar timeStep) override;
+    void End() override;
     int FirstNodeOf(size_t body) const override
     {
         return m_bodies[body].soft->body->m_nodes[0].index;
@@ -64,12 +69,22 @@ class qcDeformableElasticity : public qcNodeElasticity
     void Move(size_t body, btSoftBody::Node* node, const btVector3& by) const override;
 
   private:
+    struct PressedLink
+    {
+        btSoftBody::Link* link;
+        btScalar restLength;
+    };
+
+    void RelaxPressedLinks();
     void FindDiagonal(const std::vector<bool>& isNode);
 
     const btDeformableBodySolver* m_solver;
     btScalar m_timeStep = 0;
     std::vector<LoadedBody> m_bodies;
     std::vector<btDeformableLagrangianForce*> m_forces;
+    /// Links shorter than at rest. For a step they are at rest as they are: Bullet's stiffness of a pressed link is
+    /// negative across it, and a body of such links has displacements that nothing resists.
+    std::vector<PressedLink> m_pressed;
     /// A third of the trace of each node's diagonal block, which rotations don't change. It is found for these bodies
     /// and forces, and again after a while.
     std::vector<btScalar> m_diagonal;

@@ -237,9 +237,8 @@ void qcElasticContacts::AddSpring(qcSoftBodyScene& scene, const Kept& kept, qcPr
     if (isRigid && !AddRigidSide(kept, present, *softs[0], &start, &end, &spring))
         return;
     const btScalar gap = spring.normal.dot(start);
-    // What comes near a sheet in a step may touch it in the next one only: it is thin, and its nodes are fast.
-    const bool mayHold = m_elasticity->KeepsEnergy() ? qcMayHold(gap, kept.thickness) : gap > 0;
-    if (!mayHold || !std::isfinite(end.length2()))
+    // What was stopped on the way presses from a distance: fast nodes stop there.
+    if (!(gap > 0) || !std::isfinite(end.length2()))
         return;
     // Sticks, until friction is known. Gaps that are too small are restored later, without this system's stiffness:
     // that would give bodies the energy to fly apart.
@@ -399,7 +398,9 @@ void qcElasticContacts::Solve(qcSoftBodyScene& scene, qcPresentObjects* present,
     NumberNodes();
     if (!m_elasticity->KeepsEnergy())
         LimitRebounds();
-    if (!m_system.Solve(m_elasticity.get(), m_loaded, &m_springs))
+    const bool isSolved = m_system.Solve(m_elasticity.get(), m_loaded, &m_springs);
+    m_elasticity->End();
+    if (!isSolved)
         return;
     m_rebounds.End(&m_system);
     m_system.Apply(timeStep);

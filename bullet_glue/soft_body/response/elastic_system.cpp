@@ -13,6 +13,9 @@ namespace
 constexpr int s_maxRounds = 4;
 // The residual at the end, as a share of the forces of the springs; iterations from one look at it to the next.
 constexpr btScalar s_tolerance = btScalar(0.03);
+// Where elasticity may help displacements, no node makes more than this multiple of what a spring misses. Where it
+// resists, measured ones make up to 2.
+constexpr btScalar s_reach = 3;
 constexpr int s_checkInterval = 4;
 // Changes of a friction's share that are worth another round.
 constexpr btScalar s_heldChange = btScalar(0.1);
@@ -422,6 +425,21 @@ double qcElasticSystem::SquareOfForces()
     return Dot(m_forcesOfSprings, m_image);
 }
 
+/// True if x + step * direction displaces no node much farther than the springs have to go.
+bool qcElasticSystem::IsWithinReach(const Vector& x, btScalar step, const Vector& direction) const
+{
+    if (m_elasticity->AlwaysResists())
+        return true;
+    btScalar missing2 = 0;
+    for (const qcElasticSpring& spring : *m_springs)
+        if (spring.isClosed)
+            missing2 = std::max(missing2, spring.missing.length2());
+    for (int i = 0; i < int(m_nodes.size()); i++)
+        if (!((x[i] + step * direction[i]).length2() <= s_reach * s_reach * missing2))
+            return false;
+    return true;
+}
+
 /// Solves for the springs that are closed, from m_x on.
 void qcElasticSystem::SolveClosed(int round)
 {
@@ -435,7 +453,9 @@ void qcElasticSystem::SolveClosed(int round)
     Multiply(m_x, &m_image);
     // Iterations only lower the energy. So does the best multiple of the guess.
     const double curvatureOfGuess = Dot(m_x, m_image);
-    const double share = curvatureOfGuess > 0 ? Dot(m_x, m_right) / curvatureOfGuess : 0;
+    double share = curvatureOfGuess > 0 ? Dot(m_x, m_right) / curvatureOfGuess : 0;
+    if (!IsWithinReach(m_x, btScalar(share) - 1, m_x))
+        share = 0;
     for (int i = 0; i < m_x.size(); i++)
     {
         m_x[i] *= btScalar(share);
@@ -454,10 +474,10 @@ void qcElasticSystem::SolveClosed(int round)
             return;
         Multiply(m_direction, &m_image);
         const double curvature = Dot(m_direction, m_image);
-        // Not so for a body that is far from its shape at rest: what has been found is enough.
-        if (!(curvature > 0))
-            return;
         const auto step = btScalar(square / curvature);
+        // A body far from its shape at rest has directions in which elasticity helps. What has been found is enough.
+        if (!(curvature > 0) || !IsWithinReach(m_x, step, m_direction))
+            return;
         qcAddScaled(step, m_direction, &m_x);
         qcAddScaled(-step, m_image, &m_residual);
         Precondition(m_residual, &m_preconditioned);

@@ -108,6 +108,7 @@ class qcElasticSystem
     void FindBlocks();
     void Precondition(const Vector& r, Vector* result) const;
     double SquareOfForces();
+    bool IsWithinReach(const Vector& x, btScalar step, const Vector& direction) const;
     void SolveClosed(int round);
     bool UpdateSprings();
     void LimitFriction(int rigid);

@@ -15,6 +15,10 @@ class qcLinkElasticity : public qcNodeElasticity
     {
         return false;
     }
+    bool AlwaysResists() const override
+    {
+        return true;
+    }
     int MaxIterations(int round) const override
     {
         return round == 0 ? 30 : 15;

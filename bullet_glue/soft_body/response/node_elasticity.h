@@ -25,6 +25,8 @@ class qcNodeElasticity
     virtual ~qcNodeElasticity() = default;
     /// False: Bullet moves nodes by positions. A body that followed them would gain energy.
     virtual bool KeepsEnergy() const = 0;
+    /// False: elasticity may help displacements of bodies that are far from their shape at rest.
+    virtual bool AlwaysResists() const = 0;
     /// The most iterations that a solution of the system is worth in a round, from 0. Later rounds go on from the one
     /// before, with a few springs changed.
     virtual int MaxIterations(int round) const = 0;
@@ -47,6 +49,10 @@ class qcNodeElasticity
     virtual bool IsStrain(const qcSceneSoftBody& soft, btScalar pushed) const = 0;
     /// Reads the bodies of this step, and numbers their nodes. False: there are no numbers, or nothing resists.
     virtual bool Begin(const std::vector<LoadedBody>& bodies, btScalar timeStep) = 0;
+    /// Ends what a Begin that returned true has begun, before nodes are moved.
+    virtual void End()
+    {
+    }
     /// The number of the first node of one of the bodies; the others follow in their order.
     virtual int FirstNodeOf(size_t body) const = 0;
     /// One more than the largest number.
