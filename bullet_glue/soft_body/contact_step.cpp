@@ -69,7 +69,9 @@ void qcSoftBodyContact::Implementation::SolveConstraints()
     // Links pull against what is restored in each step: without its velocity nodes at rest would have that of the pull.
     qcAddRecovery(&m_constraints, qcGapRecoveryOf(m_timeStep), !solvesLinks);
     qcSolveSoftConstraints(&m_constraints, &m_chains, m_links, &m_rigidNodeContacts, s_iterations);
-    if (!solvesLinks)
+    if (solvesLinks)
+        m_links.LimitVelocities();
+    else
         qcRestoreGaps(scene, &m_constraints, &m_chains, &m_rigidNodeContacts, qcGapRecovery, s_recoveryIterations);
     scene.meshes.Commit();
     m_isCertified = m_isDetected = false;

@@ -14,10 +14,7 @@ void MoveNodes(const qcSceneSoftBody& soft)
         {
             btSoftBody::Node& node = soft.body->m_nodes[i];
             node.m_x = soft.positions[size_t(i)];
-            const btVector3& start = soft.start[size_t(i)];
-            node.m_v =
-                soft.VelocityMotionOf(size_t(i), soft.applied.empty() ? start : start + soft.applied[size_t(i)]) *
-                perDistance;
+            node.m_v = soft.VelocityMotionOf(size_t(i), soft.VelocityStartOf(size_t(i))) * perDistance;
         });
 }
 /// Puts the nodes back to where Bullet's step started.

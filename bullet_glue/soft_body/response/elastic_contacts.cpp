@@ -353,7 +353,7 @@ void qcElasticContacts::NumberNodes()
 /// step: those in front of a body that slides would be a wall, so that only its motion along their sum counts.
 void qcElasticContacts::LimitRebounds()
 {
-    std::vector<btVector3> sums(m_springs.size(), btVector3(0, 0, 0)); // by rigid body
+    std::vector<btVector3> sums(m_system.RigidCount(), btVector3(0, 0, 0)); // by rigid body
     for (const qcElasticSpring& spring : m_springs)
         if (spring.point.rigid >= 0 && spring.isClosed)
             sums[size_t(spring.point.rigid)] += spring.normal;

@@ -49,6 +49,11 @@ class qcElasticSystem
     /// A point at `arm` from the centre of an object. It moves if the object is a dynamic rigid body, guided by its
     /// factors, or a link.
     qcElasticPoint AddPoint(const btCollisionObject& object, const btVector3& arm);
+    /// Rigid bodies that points have been added for.
+    size_t RigidCount() const
+    {
+        return m_rigids.size();
+    }
     /// Finds the displacements, and which springs are closed: those that push. `bodies`: all that have nodes in
     /// springs, which `elasticity` has read for this step. False: there is no finite solution.
     bool Solve(qcNodeElasticity* elasticity, const std::vector<qcNodeElasticity::LoadedBody>& bodies,

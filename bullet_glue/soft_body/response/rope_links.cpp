@@ -21,14 +21,17 @@ bool HasLoad(const btSoftBody& body)
 }
 } // namespace
 
-void qcRopeLinks::AddLink(qcSceneSoftBody& soft, const btSoftBody::Link& link)
+void qcRopeLinks::AddLink(Body* body, const btSoftBody::Link& link)
 {
     // Bullet prepares m_c0 and m_c1 at the beginning of the step. A callback may have made nodes lighter since: with
     // the divisor of heavier ones each sweep would push them further apart.
     if (link.m_c0 <= 0)
         return;
     const btScalar divisor = (link.m_n[0]->m_im + link.m_n[1]->m_im) / link.m_material->m_kLST;
-    m_links.push_back({{&soft.positions[soft.IndexOf(link.m_n[0])], &soft.positions[soft.IndexOf(link.m_n[1])]},
+    qcSceneSoftBody& soft = *body->soft;
+    const size_t nodes[2] = {soft.IndexOf(link.m_n[0]), soft.IndexOf(link.m_n[1])};
+    m_links.push_back({{&soft.positions[nodes[0]], &soft.positions[nodes[1]]},
+                       {&body->byLinks[nodes[0]], &body->byLinks[nodes[1]]},
                        {link.m_n[0]->m_im, link.m_n[1]->m_im},
                        link.m_c1,
                        std::max(link.m_c0, divisor)});
@@ -46,6 +49,7 @@ void qcRopeLinks::AddAnchor(qcSceneSoftBody& soft, const btSoftBody::Anchor& anc
 
 void qcRopeLinks::Collect(qcSoftBodyScene& scene)
 {
+    m_bodies.clear();
     m_links.clear();
     m_anchors.clear();
     for (qcSceneSoftBody& soft : scene.Bodies())
@@ -55,10 +59,12 @@ void qcRopeLinks::Collect(qcSoftBodyScene& scene)
         const bool isLoaded = HasLoad(*soft.body);
         if (soft.topology.looseLinks.empty() && !isLoaded)
             continue;
+        m_bodies.push_back({&soft, std::vector<btVector3>(soft.positions.size(), btVector3(0, 0, 0))});
+        Body* body = &m_bodies.back();
         for (int i = 0; isLoaded && i < soft.body->m_links.size(); i++)
-            AddLink(soft, soft.body->m_links[i]);
+            AddLink(body, soft.body->m_links[i]);
         for (size_t i = 0; !isLoaded && i < soft.topology.looseLinks.size(); i++)
-            AddLink(soft, soft.body->m_links[soft.topology.looseLinks[i].first]);
+            AddLink(body, soft.body->m_links[soft.topology.looseLinks[i].first]);
         for (int i = 0; i < soft.body->m_anchors.size(); i++)
             AddAnchor(soft, soft.body->m_anchors[i]);
     }
@@ -79,7 +85,38 @@ void qcRopeLinks::Solve() const
         if (link.restLength2 + length2 <= SIMD_EPSILON)
             continue;
         along *= (link.restLength2 - length2) / (link.divisor * (link.restLength2 + length2));
-        *link.position[0] -= along * link.inverseMass[0];
-        *link.position[1] += along * link.inverseMass[1];
+        for (int end = 0; end < 2; end++)
+        {
+            const btVector3 by = along * (end == 0 ? -link.inverseMass[0] : link.inverseMass[1]);
+            *link.position[end] += by;
+            *link.byLinks[end] += by;
+        }
+    }
+}
+
+/// A rope that few iterations of Bullet's solver leave stretched contracts in the sweeps. That gives it no velocity, or
+/// it would whip: links may pass kinetic energy from node to node, and take it, but add none.
+void qcRopeLinks::LimitVelocities() const
+{
+    for (const Body& body : m_bodies)
+    {
+        qcSceneSoftBody& soft = *body.soft;
+        double work = 0, square = 0;
+        for (size_t i = 0; i < body.byLinks.size(); i++)
+        {
+            const btScalar inverseMass = soft.body->m_nodes[int(i)].m_im;
+            if (!(inverseMass > 0))
+                continue;
+            const btVector3 &by = body.byLinks[i], without = soft.VelocityMotionOf(i, soft.VelocityStartOf(i)) - by;
+            work += double(by.dot(without) / inverseMass);
+            square += double(by.length2() / inverseMass);
+        }
+        // The share of the motion by which the kinetic energy is what it is without.
+        const double share = square > 0 ? std::min(std::max(-2 * work / square, 0.0), 1.0) : 1;
+        if (!(share < 1))
+            continue;
+        soft.shifts.resize(soft.positions.size(), btVector3(0, 0, 0));
+        for (size_t i = 0; i < body.byLinks.size(); i++)
+            soft.shifts[i] += body.byLinks[i] * btScalar(1 - share);
     }
 }

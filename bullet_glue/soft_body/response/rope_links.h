@@ -18,12 +18,22 @@ class qcRopeLinks
     /// One Gauss-Seidel sweep, by the formulas of btSoftBody::PSolve_Links and PSolve_Anchors. Bodies that move get
     /// the impulses of their anchors.
     void Solve() const;
+    /// Takes from the velocities what the links have added to the kinetic energy, after the sweeps.
+    void LimitVelocities() const;
 
   private:
+    /// A body whose links are solved, and how far these have moved its nodes.
+    struct Body
+    {
+        qcSceneSoftBody* soft;
+        std::vector<btVector3> byLinks; ///< by node
+    };
+
     /// A link as a constraint on the positions of its two nodes.
     struct Link
     {
         btVector3* position[2];
+        btVector3* byLinks[2]; ///< in its Body
         btScalar inverseMass[2];
         btScalar restLength2;
         btScalar divisor; ///< sum of the inverse masses, divided by the link's stiffness
@@ -39,9 +49,10 @@ class qcRopeLinks
         btScalar displacement; ///< of the node by an impulse
     };
 
-    void AddLink(qcSceneSoftBody& soft, const btSoftBody::Link& link);
+    void AddLink(Body* body, const btSoftBody::Link& link);
     void AddAnchor(qcSceneSoftBody& soft, const btSoftBody::Anchor& anchor);
 
+    std::vector<Body> m_bodies;
     std::vector<Link> m_links;
     std::vector<Anchor> m_anchors;
 };

@@ -87,8 +87,8 @@ struct qcSceneSoftBody
     btVector3 collectedBox[2];                    ///< the scene has the meshes in it
     bool isSolvedStretched = false;               ///< qcIsStretchedChain from `start` to `solved`
     std::vector<btVector3> positions; ///< after contacts so far; copied to Bullet's nodes at the end of the step
-    /// The parts of the positions that untangling, or in the deformable world the restoring of gaps, added in this
-    /// step; they give no velocity. Empty: none.
+    /// The parts of the positions that untangling, links that contract, or in the deformable world the restoring of
+    /// gaps, added in this step; they give no velocity. Empty: none.
     std::vector<btVector3> shifts;
     std::vector<bool> pinned; ///< nodes that contacts don't move, but for those of TiedTo; empty: none
     /// Nodes that are anchored to a rigid object: their triangles don't collide with that, since an anchor may lie
@@ -139,6 +139,11 @@ struct qcSceneSoftBody
     btVector3 MotionOf(size_t node, const btVector3& from) const
     {
         return positions[node] - from - (shifts.empty() ? btVector3(0, 0, 0) : shifts[node]);
+    }
+    /// Where the step starts for a node's velocity: behind the application's motion.
+    btVector3 VelocityStartOf(size_t node) const
+    {
+        return applied.empty() ? start[node] : start[node] + applied[node];
     }
     /// The motion that gives a node its velocity: without the shift, and without what contacts have taken back of the
     /// application's motion.

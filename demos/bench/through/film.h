@@ -6,6 +6,8 @@
 #include "common/exit_status.h"
 #include "common/message.h"
 
+#include <cstddef>
+
 /// Simulates the scene and draws both into FOLDER/frame_0000.png and so on; the positions of 0.2.0 are recorded ones,
 /// which are part of the program. Counts the pictures. Fills the message unless it returns qc_exitDone.
 qcExitStatus qcDrawThroughFilm(const char* folder, int picturesPerStep, size_t* pictures, qcMessage* message);

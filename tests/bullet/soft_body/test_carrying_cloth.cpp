@@ -248,6 +248,38 @@ START_TEST(bodies_that_share_a_sheet_come_to_rest)
 }
 END_TEST
 
+// What touches the curtain gently strains nothing, so that no spring is its own.
+START_TEST(a_sheet_carries_a_ball_while_many_touch_a_curtain)
+{
+    qcSoftWorld made;
+    const btScalar half = btScalar(1.2);
+    btSoftBody* curtain =
+        made.AddPatch(btVector3(5, 2, -2), btVector3(5, 2, 2), btVector3(5, 0, -2), btVector3(5, 0, 2), 33, 17, 0);
+    for (int i = 0; i < 33; i++)
+        curtain->setMass(i, 0);
+    for (int i = 0; i < 32; i++)
+    {
+        const btVector3 place(btScalar(4.88), btScalar(0.7 + i / 16 * 0.5), btScalar(-1.8 + i % 16 * 0.24));
+        made.shapes.emplace_back(new btSphereShape(btScalar(0.1)));
+        btRigidBody* ball = made.AddBody(made.shapes.back().get(), btScalar(0.01), place);
+        ball->setGravity(btVector3(0, 0, 0));
+        ball->setLinearVelocity(btVector3(btScalar(0.05), 0, 0));
+    }
+    btSoftBody* sheet = made.AddPatch(btVector3(-half, 0, -half), btVector3(half, 0, -half), btVector3(-half, 0, half),
+                                      btVector3(half, 0, half), 9, 9, 0);
+    for (const int corner : {0, 8, 72, 80})
+        sheet->setMass(corner, 0);
+    made.shapes.emplace_back(new btSphereShape(s_radius));
+    btRigidBody* load = made.AddBody(made.shapes.back().get(), 5, btVector3(0, s_radius + btScalar(0.02), 0));
+    for (int step = 0; step < 60; step++)
+    {
+        made.world.stepSimulation(btScalar(1.0 / 60), 0);
+        ck_assert_int_eq(made.softSolver.getStatistics().status, qc_statusOk);
+    }
+    ck_assert_double_gt(double(load->getWorldTransform().getOrigin().y()), -2);
+}
+END_TEST
+
 START_TEST(cloth_that_lies_on_a_body_hangs_from_its_edges)
 {
     // The body carries the cloth: free, and held at two corners.
@@ -292,6 +324,7 @@ QC_TEST_MAIN()
     tcase_add_test(tests, a_sheet_that_is_lifted_lifts_what_it_carries);
     tcase_add_loop_test(tests, a_box_on_a_taut_sheet_slides_as_far_as_its_friction_lets_it, 0, 2);
     tcase_add_loop_test(tests, bodies_that_share_a_sheet_come_to_rest, 0, 2);
+    tcase_add_test(tests, a_sheet_carries_a_ball_while_many_touch_a_curtain);
     tcase_add_test(tests, cloth_that_lies_on_a_body_hangs_from_its_edges);
     return qcRunCase("carrying cloth", tests);
 }

@@ -487,12 +487,12 @@ START_TEST(nothing_reads_a_body_on_cloth_after_an_action_has_removed_it)
 {
     RemoveInAction action;
     qcMeshContact contact;
+    btDeformableGravityForce gravity(btVector3(0, -10, 0)); // outlives the world, which removes it from bodies
     qcDeformableTestWorld<qcDeformableWorld, CountingDispatcher> deformable;
     qcDeformableWorld& world = *deformable.world;
     world.setThreadCount(1);
     world.addAction(&action);
     contact.addTo(&world);
-    btDeformableGravityForce gravity(world.getGravity());
     std::unique_ptr<qcMeshShape> shape = qcBoxModel(btVector3(1, 1, 1) / 5, 1).MakeShape();
     btRigidBody crate(btScalar(0.3), nullptr, shape.get(), btVector3(1, 1, 1));
     btRigidBody other(btScalar(0.3), nullptr, shape.get(), btVector3(1, 1, 1));

@@ -209,6 +209,31 @@ START_TEST(a_link_is_caught_by_a_pole_between_its_nodes)
 END_TEST
 
 /// A ring around a rope that is held at its ends: each link is a bar to it.
+// With one iteration a swinging rope stretches to one and a half times its length.
+START_TEST(a_stretched_rope_that_swings_against_a_ball_gains_no_energy)
+{
+    for (int place = 0; place < 8; place++)
+    {
+        RopeWorld made;
+        btSoftBody* rope = made.AddRope(btVector3(0, 0, 0), btVector3(btScalar(1.2), 0, 0), 24, 1);
+        rope->m_cfg.piterations = 1;
+        made.shapes.emplace_back(new btSphereShape(btScalar(0.3)));
+        btRigidBody* ball = made.AddBody(made.shapes.back().get(), 0,
+                                         btVector3(btScalar(0.1 * (place % 4)), btScalar(-1 - place / 4 * 0.5), 0));
+        const btVector3 gravity = made.world.getGravity();
+        const btScalar before = EnergyOf(rope, *ball, gravity);
+        btScalar largest = before;
+        for (int i = 0; i < 240; i++)
+        {
+            made.StepApart(1);
+            largest = btMax(largest, EnergyOf(rope, *ball, gravity));
+        }
+        printf("place %d: gains %.2f J\n", place, double(largest - before));
+        ck_assert_double_lt(double(largest - before), 0.1);
+    }
+}
+END_TEST
+
 START_TEST(a_ring_hangs_on_a_rope)
 {
     RopeWorld world;
@@ -589,7 +614,8 @@ END_TEST
 QC_RUN_TESTS("soft_body_rope", a_rope_thrown_over_a_cylinder_stays_draped,
              a_rope_thrown_along_itself_stays_where_friction_holds_it,
              a_rope_stays_where_it_creeps_with_bullets_own_solver, a_link_is_caught_by_a_pole_between_its_nodes,
-             a_ring_hangs_on_a_rope, momentum_is_kept_between_a_rope_and_a_free_mesh, a_kinematic_pole_lifts_a_rope,
+             a_stretched_rope_that_swings_against_a_ball_gains_no_energy, a_ring_hangs_on_a_rope,
+             momentum_is_kept_between_a_rope_and_a_free_mesh, a_kinematic_pole_lifts_a_rope,
              bending_links_and_braces_do_not_push, links_may_be_added_and_removed_between_two_steps,
              a_rope_lies_on_a_rope_and_on_a_cloth, a_callback_may_make_nodes_lighter,
              anchors_hold_boxes_to_what_hangs_over_a_beam, ropes_that_are_anchored_at_one_point_do_not_push_each_other,
