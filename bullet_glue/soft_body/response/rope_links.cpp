@@ -1,16 +1,20 @@
-// Links and anchors of ropes in the response of contacts.
+// Links of ropes in the response of contacts.
 //
 // Bullet solves links, then contacts push nodes off what they touch. A face is pushed as a whole, but a rope over an
 // edge at some nodes only: the next step begins with stretched links, which pull these nodes into the edge by
 // centimetres. Contacts that push that far let the rope creep, though friction would hold it. Solved in alternation,
-// links and contacts converge to a rope under tension that lies still. Without its anchors the rope would shorten off
-// them. Cloth that bears a load by anchors is under tension as well.
+// links and contacts converge to a rope under tension that lies still. Nodes at anchors stay where Bullet's solver has
+// them: next to loads that swing. Cloth that bears a load by anchors is under tension as well.
 #include "soft_body/response/rope_links.h"
 
 #include <algorithm>
 
 namespace
 {
+// Links of bodies with loads contract to this part of their lengths before the sweeps at most: few iterations of
+// Bullet's solver leave them stretched, and loads away from their nodes.
+constexpr btScalar s_contracted = btScalar(0.97);
+
 /// True if an anchor ties a body that moves to the soft one.
 bool HasLoad(const btSoftBody& body)
 {
@@ -30,28 +34,20 @@ void qcRopeLinks::AddLink(Body* body, const btSoftBody::Link& link)
     const btScalar divisor = (link.m_n[0]->m_im + link.m_n[1]->m_im) / link.m_material->m_kLST;
     qcSceneSoftBody& soft = *body->soft;
     const size_t nodes[2] = {soft.IndexOf(link.m_n[0]), soft.IndexOf(link.m_n[1])};
-    m_links.push_back({{&soft.positions[nodes[0]], &soft.positions[nodes[1]]},
-                       {&body->byLinks[nodes[0]], &body->byLinks[nodes[1]]},
-                       {link.m_n[0]->m_im, link.m_n[1]->m_im},
-                       link.m_c1,
-                       std::max(link.m_c0, divisor)});
-}
-
-void qcRopeLinks::AddAnchor(qcSceneSoftBody& soft, const btSoftBody::Anchor& anchor)
-{
-    const btScalar share = anchor.m_influence * soft.body->m_cfg.kAHR;
-    if (anchor.m_body == nullptr || !(anchor.m_node->m_im > 0) || !(share > 0))
-        return;
-    m_anchors.push_back({&soft.positions[soft.IndexOf(anchor.m_node)], anchor.m_body,
-                         anchor.m_body->getWorldTransform() * anchor.m_local, anchor.m_c1, anchor.m_c0 * share,
-                         anchor.m_c2});
+    const btScalar length2 = soft.positions[nodes[0]].distance2(soft.positions[nodes[1]]);
+    const btScalar least2 = body->isLoaded ? s_contracted * s_contracted * length2 : btScalar(0);
+    m_links.push_back(
+        {{&soft.positions[nodes[0]], &soft.positions[nodes[1]]},
+         {&body->byLinks[nodes[0]], &body->byLinks[nodes[1]]},
+         {body->isAnchored[nodes[0]] ? 0 : link.m_n[0]->m_im, body->isAnchored[nodes[1]] ? 0 : link.m_n[1]->m_im},
+         std::max(link.m_c1, least2),
+         std::max(link.m_c0, divisor)});
 }
 
 void qcRopeLinks::Collect(qcSoftBodyScene& scene)
 {
     m_bodies.clear();
     m_links.clear();
-    m_anchors.clear();
     for (qcSceneSoftBody& soft : scene.Bodies())
     {
         if (!soft.moves || !soft.inContact)
@@ -59,25 +55,20 @@ void qcRopeLinks::Collect(qcSoftBodyScene& scene)
         const bool isLoaded = HasLoad(*soft.body);
         if (soft.topology.looseLinks.empty() && !isLoaded)
             continue;
-        m_bodies.push_back({&soft, std::vector<btVector3>(soft.positions.size(), btVector3(0, 0, 0))});
+        m_bodies.push_back({&soft, isLoaded, std::vector<btVector3>(soft.positions.size(), btVector3(0, 0, 0)),
+                            std::vector<bool>(soft.positions.size(), false)});
         Body* body = &m_bodies.back();
+        for (int i = 0; i < soft.body->m_anchors.size(); i++)
+            body->isAnchored[soft.IndexOf(soft.body->m_anchors[i].m_node)] = true;
         for (int i = 0; isLoaded && i < soft.body->m_links.size(); i++)
             AddLink(body, soft.body->m_links[i]);
         for (size_t i = 0; !isLoaded && i < soft.topology.looseLinks.size(); i++)
             AddLink(body, soft.body->m_links[soft.topology.looseLinks[i].first]);
-        for (int i = 0; i < soft.body->m_anchors.size(); i++)
-            AddAnchor(soft, soft.body->m_anchors[i]);
     }
 }
 
 void qcRopeLinks::Solve() const
 {
-    for (const Anchor& anchor : m_anchors)
-    {
-        const btVector3 impulse = anchor.impulse * (anchor.place - *anchor.position);
-        *anchor.position += impulse * anchor.displacement;
-        anchor.body->applyImpulse(-impulse, anchor.arm);
-    }
     for (const Link& link : m_links)
     {
         btVector3 along = *link.position[1] - *link.position[0];
@@ -94,8 +85,8 @@ void qcRopeLinks::Solve() const
     }
 }
 
-/// A rope that few iterations of Bullet's solver leave stretched contracts in the sweeps. That gives it no velocity, or
-/// it would whip: links may pass kinetic energy from node to node, and take it, but add none.
+/// A rope that contracts in the sweeps would whip, if that gave it velocity. Its nodes keep the share of the motion by
+/// links that leaves them the least kinetic energy: all of it where links hold nodes against contacts.
 void qcRopeLinks::LimitVelocities() const
 {
     for (const Body& body : m_bodies)
@@ -111,8 +102,7 @@ void qcRopeLinks::LimitVelocities() const
             work += double(by.dot(without) / inverseMass);
             square += double(by.length2() / inverseMass);
         }
-        // The share of the motion by which the kinetic energy is what it is without.
-        const double share = square > 0 ? std::min(std::max(-2 * work / square, 0.0), 1.0) : 1;
+        const double share = square > 0 ? std::min(std::max(-work / square, 0.0), 1.0) : 1;
         if (!(share < 1))
             continue;
         soft.shifts.resize(soft.positions.size(), btVector3(0, 0, 0));
