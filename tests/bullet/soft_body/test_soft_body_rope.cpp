@@ -592,13 +592,14 @@ START_TEST(a_rope_of_springs_stays_draped_and_is_caught_by_a_pole)
 END_TEST
 
 /// The nodes of a rope between the centres of two balls, some steps later.
-std::vector<btVector3> RopeBetweenCentres(btSoftBodySolver* solver, btScalar radius)
+template <typename Solver> std::vector<btVector3> RopeBetweenCentres(btScalar radius)
 {
     btSoftBodyRigidBodyCollisionConfiguration configuration;
     btCollisionDispatcher dispatcher(&configuration);
     qcBroadphase broadphase;
     btSequentialImpulseConstraintSolver impulses;
-    btSoftRigidDynamicsWorld world(&dispatcher, &broadphase, &impulses, &configuration, solver);
+    Solver solver;
+    btSoftRigidDynamicsWorld world(&dispatcher, &broadphase, &impulses, &configuration, &solver);
     world.setGravity(btVector3(0, -10, 0));
     btSphereShape shape(radius);
     btRigidBody top(0, nullptr, &shape), ball(1, nullptr, &shape, btVector3(1, 1, 1) * (radius * radius / 2));
@@ -629,10 +630,8 @@ START_TEST(a_rope_goes_through_the_surface_of_what_it_is_anchored_in)
 {
     for (btScalar radius : {btScalar(0.3), btScalar(1)})
     {
-        qcSoftBodySolver ours;
-        btDefaultSoftBodySolver bullets;
-        const std::vector<btVector3> found = RopeBetweenCentres(&ours, radius),
-                                     expected = RopeBetweenCentres(&bullets, radius);
+        const std::vector<btVector3> found = RopeBetweenCentres<qcSoftBodySolver>(radius),
+                                     expected = RopeBetweenCentres<btDefaultSoftBodySolver>(radius);
         for (size_t i = 0; i < expected.size(); i++)
             ck_assert_double_lt(double(found[i].distance(expected[i])), 1e-3);
     }
