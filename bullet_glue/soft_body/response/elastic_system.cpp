@@ -13,10 +13,10 @@ namespace
 constexpr int s_maxRounds = 4;
 // The residual at the end, as a share of the forces of the springs; iterations from one look at it to the next.
 constexpr btScalar s_tolerance = btScalar(0.03);
+constexpr int s_checkInterval = 4;
 // Where elasticity may help displacements, no node makes more than this multiple of what a spring misses. Where it
 // resists, measured ones make up to 2.
 constexpr btScalar s_reach = 3;
-constexpr int s_checkInterval = 4;
 // Changes of a friction's share that are worth another round.
 constexpr btScalar s_heldChange = btScalar(0.1);
 // In the system, locked directions of a body give way by this part of what free ones do. Factors then lock the body.
@@ -430,12 +430,8 @@ bool qcElasticSystem::IsWithinReach(const Vector& x, btScalar step, const Vector
 {
     if (m_elasticity->AlwaysResists())
         return true;
-    btScalar missing2 = 0;
-    for (const qcElasticSpring& spring : *m_springs)
-        if (spring.isClosed)
-            missing2 = std::max(missing2, spring.missing.length2());
     for (int i = 0; i < int(m_nodes.size()); i++)
-        if (!((x[i] + step * direction[i]).length2() <= s_reach * s_reach * missing2))
+        if (!((x[i] + step * direction[i]).length2() <= m_reach2))
             return false;
     return true;
 }
@@ -444,9 +440,14 @@ bool qcElasticSystem::IsWithinReach(const Vector& x, btScalar step, const Vector
 void qcElasticSystem::SolveClosed(int round)
 {
     qcSetZero(&m_right);
+    btScalar missing2 = 0;
     for (const qcElasticSpring& spring : *m_springs)
         if (spring.isClosed)
+        {
             AddForce(spring, ForceOf(spring, spring.missing), &m_right);
+            missing2 = std::max(missing2, spring.missing.length2());
+        }
+    m_reach2 = s_reach * s_reach * missing2;
     PassTiedForces(&m_right);
     FindBlocks();
     RemoveMomentum(&m_x);
@@ -474,9 +475,11 @@ void qcElasticSystem::SolveClosed(int round)
             return;
         Multiply(m_direction, &m_image);
         const double curvature = Dot(m_direction, m_image);
-        const auto step = btScalar(square / curvature);
         // A body far from its shape at rest has directions in which elasticity helps. What has been found is enough.
-        if (!(curvature > 0) || !IsWithinReach(m_x, step, m_direction))
+        if (!(curvature > 0))
+            return;
+        const auto step = btScalar(square / curvature);
+        if (!IsWithinReach(m_x, step, m_direction))
             return;
         qcAddScaled(step, m_direction, &m_x);
         qcAddScaled(-step, m_image, &m_residual);

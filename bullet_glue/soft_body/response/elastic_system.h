@@ -136,6 +136,7 @@ class qcElasticSystem
     mutable std::vector<btVector3> m_sums;   ///< scratch of Precondition, by soft body
     /// By node its displacement, by rigid body translation and rotation, by multibody its unknowns.
     Vector m_x;
+    btScalar m_reach2 = 0; ///< square of how far nodes may be displaced
     Vector m_forcesOfSprings, m_right, m_residual, m_preconditioned, m_direction, m_image;
 };
 

@@ -60,6 +60,12 @@ void Fill(const qcSceneSoftBody& soft, const qcHeldContact& held, const btVector
     contact->m_cfm[0] = s_pointShare;
     contact->m_cfm[1] = 1 / SquaredWeights(held);
 }
+
+/// True if a contact of the previous step holds at its gap at the start of this one.
+bool MayHold(btScalar gap, btScalar thickness)
+{
+    return gap > 0 && gap <= thickness * btScalar(1.1);
+}
 } // namespace
 
 qcHeldPoint qcHeldPointOf(const qcSoftConstraint& constraint)
@@ -128,7 +134,7 @@ void qcHeldContacts::Insert(qcSoftBodyScene& scene, qcPresentObjects* present)
             Inserted inserted = {&soft, &held, held.rigid.Normal(), held.rigid.point, held.rigid.Point()};
             btScalar gap = inserted.normal.dot(StartOf(soft, held) - held.rigid.point);
             // An object that is not finite holds nothing.
-            if (qcMayHold(gap, held.thickness) && std::isfinite(inserted.end.length2()))
+            if (MayHold(gap, held.thickness) && std::isfinite(inserted.end.length2()))
                 m_inserted.push_back(inserted);
         }
     }

@@ -12,12 +12,6 @@
 /// whether they are found again.
 constexpr btScalar qcHeldShare = btScalar(0.98);
 
-/// True if a contact of the previous step holds at its gap at the start of this one.
-inline bool qcMayHold(btScalar gap, btScalar thickness)
-{
-    return gap > 0 && gap <= thickness * btScalar(1.1);
-}
-
 /// The rigid side of a constraint, for the next step.
 qcHeldPoint qcHeldPointOf(const qcSoftConstraint& constraint);
 

@@ -12,7 +12,7 @@
 namespace
 {
 // Links of bodies with loads contract to this part of their lengths before the sweeps at most: few iterations of
-// Bullet's solver leave them stretched, and loads away from their nodes.
+// Bullet's solver leave them stretched, and loads away from their nodes. Those of other bodies contract to rest.
 constexpr btScalar s_contracted = btScalar(0.97);
 
 /// True if an anchor ties a body that moves to the soft one.
@@ -25,7 +25,7 @@ bool HasLoad(const btSoftBody& body)
 }
 } // namespace
 
-void qcRopeLinks::AddLink(Body* body, const btSoftBody::Link& link)
+void qcRopeLinks::AddLink(Body* body, const btSoftBody::Link& link, btScalar contracted)
 {
     // Bullet prepares m_c0 and m_c1 at the beginning of the step. A callback may have made nodes lighter since: with
     // the divisor of heavier ones each sweep would push them further apart.
@@ -34,14 +34,12 @@ void qcRopeLinks::AddLink(Body* body, const btSoftBody::Link& link)
     const btScalar divisor = (link.m_n[0]->m_im + link.m_n[1]->m_im) / link.m_material->m_kLST;
     qcSceneSoftBody& soft = *body->soft;
     const size_t nodes[2] = {soft.IndexOf(link.m_n[0]), soft.IndexOf(link.m_n[1])};
-    const btScalar length2 = soft.positions[nodes[0]].distance2(soft.positions[nodes[1]]);
-    const btScalar least2 = body->isLoaded ? s_contracted * s_contracted * length2 : btScalar(0);
-    m_links.push_back(
-        {{&soft.positions[nodes[0]], &soft.positions[nodes[1]]},
-         {&body->byLinks[nodes[0]], &body->byLinks[nodes[1]]},
-         {body->isAnchored[nodes[0]] ? 0 : link.m_n[0]->m_im, body->isAnchored[nodes[1]] ? 0 : link.m_n[1]->m_im},
-         std::max(link.m_c1, least2),
-         std::max(link.m_c0, divisor)});
+    const btScalar least2 = contracted * contracted * soft.positions[nodes[0]].distance2(soft.positions[nodes[1]]);
+    m_links.push_back({{&soft.positions[nodes[0]], &soft.positions[nodes[1]]},
+                       {&body->byLinks[nodes[0]], &body->byLinks[nodes[1]]},
+                       {m_isAnchored[nodes[0]] ? 0 : link.m_n[0]->m_im, m_isAnchored[nodes[1]] ? 0 : link.m_n[1]->m_im},
+                       std::max(link.m_c1, least2),
+                       std::max(link.m_c0, divisor)});
 }
 
 void qcRopeLinks::Collect(qcSoftBodyScene& scene)
@@ -55,15 +53,15 @@ void qcRopeLinks::Collect(qcSoftBodyScene& scene)
         const bool isLoaded = HasLoad(*soft.body);
         if (soft.topology.looseLinks.empty() && !isLoaded)
             continue;
-        m_bodies.push_back({&soft, isLoaded, std::vector<btVector3>(soft.positions.size(), btVector3(0, 0, 0)),
-                            std::vector<bool>(soft.positions.size(), false)});
+        m_bodies.push_back({&soft, std::vector<btVector3>(soft.positions.size(), btVector3(0, 0, 0))});
         Body* body = &m_bodies.back();
-        for (int i = 0; i < soft.body->m_anchors.size(); i++)
-            body->isAnchored[soft.IndexOf(soft.body->m_anchors[i].m_node)] = true;
+        m_isAnchored.assign(soft.positions.size(), false);
+        for (const qcSoftAnchor& anchor : soft.anchors)
+            m_isAnchored[anchor.node] = true;
         for (int i = 0; isLoaded && i < soft.body->m_links.size(); i++)
-            AddLink(body, soft.body->m_links[i]);
+            AddLink(body, soft.body->m_links[i], s_contracted);
         for (size_t i = 0; !isLoaded && i < soft.topology.looseLinks.size(); i++)
-            AddLink(body, soft.body->m_links[soft.topology.looseLinks[i].first]);
+            AddLink(body, soft.body->m_links[soft.topology.looseLinks[i].first], 0);
     }
 }
 

@@ -25,9 +25,7 @@ class qcRopeLinks
     struct Body
     {
         qcSceneSoftBody* soft;
-        bool isLoaded;                  ///< anchors tie something to it that moves
         std::vector<btVector3> byLinks; ///< by node
-        std::vector<bool> isAnchored;   ///< by node
     };
 
     /// A link as a constraint on the positions of its two nodes.
@@ -40,10 +38,12 @@ class qcRopeLinks
         btScalar divisor; ///< sum of the inverse masses, divided by the link's stiffness
     };
 
-    void AddLink(Body* body, const btSoftBody::Link& link);
+    /// `contracted`: no sweep makes it shorter than this part of its present length.
+    void AddLink(Body* body, const btSoftBody::Link& link, btScalar contracted);
 
     std::vector<Body> m_bodies;
     std::vector<Link> m_links;
+    std::vector<bool> m_isAnchored; ///< scratch of Collect, by node of a body
 };
 
 #endif
