@@ -65,7 +65,10 @@ void qcSoftBodyContact::Implementation::SolveConstraints()
     BT_PROFILE("qcSoftBodyContact respond");
     double begin = qcNowMs();
     if (solvesLinks)
+    {
         m_links.Collect(scene);
+        anchorPulls.Move(m_constraints);
+    }
     // Links pull against what is restored in each step: without its velocity nodes at rest would have that of the pull.
     qcAddRecovery(&m_constraints, qcGapRecoveryOf(m_timeStep), !solvesLinks);
     qcSolveSoftConstraints(&m_constraints, &m_chains, m_links, &m_rigidNodeContacts, s_iterations);

@@ -8,6 +8,7 @@
 #include "soft_body/algorithm_override.h"
 #include "soft_body/contact_manifolds.h"
 #include "soft_body/draw_contacts.h"
+#include "soft_body/response/anchor_pulls.h"
 #include "soft_body/response/clearance.h"
 #include "soft_body/response/elastic_contacts.h"
 #include "soft_body/response/force_chains.h"
@@ -42,6 +43,7 @@ struct qcSoftBodyContact::Implementation
 
     qcSoftBodyScene scene;
     qcHeldContacts heldContacts; ///< of the classic world
+    qcAnchorPulls anchorPulls;   ///< of the classic world
     qcElasticContacts elasticContacts;
     qcContactManifolds manifolds;
     qcAlgorithmOverride algorithmOverride;

@@ -75,7 +75,9 @@ void qcSoftBodySolver::solveConstraints(btScalar timeStep)
     qcPresentObjects present(my.scene);
     my.elasticContacts.ReadPredicted(my.scene);
     my.heldContacts.Insert(my.scene, &present);
+    my.anchorPulls.Begin(m_softBodySet);
     btDefaultSoftBodySolver::solveConstraints(timeStep);
+    my.anchorPulls.End(timeStep);
     my.heldContacts.Remove(my.scene);
     my.elasticContacts.Solve(my.scene, &present, timeStep);
     if (!my.Resolve(timeStep))

@@ -26,7 +26,7 @@ extern "C" {
 
 #define QC_VERSION_MAJOR 0  ///< Grows with each incompatible release, from 1.0.0 on.
 #define QC_VERSION_MINOR 8  ///< Grows with each release that adds something; before 1.0.0 it may break the ABI.
-#define QC_VERSION_PATCH 37 ///< Grows with each release that only fixes something.
+#define QC_VERSION_PATCH 38 ///< Grows with each release that only fixes something.
 /// The version of these headers as one number: 10000 * major + 100 * minor + patch.
 ///
 /// A definition (a struct that begins with structSize) may gain fields at its end. Start from its default function,

@@ -117,7 +117,8 @@ struct qcSoftBodyStatistics
 /// static, kinematic or moving, also in compounds; unless its collision flags have none of fCollision::RVSmask. Both
 /// move, by mass. Links of multibodies count as rigid bodies, in worlds of either kind (btSoftMultiBodyDynamicsWorld,
 /// qcDeformableWorld): contact moves the joints by their inertia alone, and Bullet solves their limits, motors and all
-/// other constraints in the next step. Triangles with an anchored node don't collide with the body of the anchor.
+/// other constraints in the next step. Triangles with an anchored node don't collide with the body of the anchor nor,
+/// if that can move, those next to them; and a part that starts inside of it with an anchored node stays inside.
 /// - Boxes and polyhedra have their own faces. Spheres, capsules, cylinders, cones and any other convex shape have
 ///   triangles around them that are at most half the surface's margin away or, at the limit of 4096 triangles, a 400th
 ///   of the radius (round shapes) or a 100th of the half extent (others). Static triangle meshes, btGImpactMeshShape

@@ -106,6 +106,23 @@ bool AddEnds(const qcIntersectionCurve& curve, std::vector<qcUntanglement>* unta
     return hasEnds;
 }
 
+/// True if one of the parts is anchored to the other side's object: it can't leave that.
+bool IsAnchored(const qcIntersectionCurve& curve)
+{
+    for (int side = 0; side < 2; side++)
+    {
+        const qcSceneSoftBody* soft = curve.sides[side].graph->soft;
+        const qcSceneRigid* rigid = curve.sides[1 - side].graph->rigid;
+        if (soft == nullptr || rigid == nullptr)
+            continue;
+        const std::vector<uint32_t>& part = curve.sides[side].part;
+        for (const qcSoftAnchor& anchor : soft->anchors)
+            if (anchor.object == rigid->object && std::find(part.begin(), part.end(), anchor.node) != part.end())
+                return true;
+    }
+    return false;
+}
+
 bool FindUntanglement(const qcIntersectionCurve& curve, qcUntanglement* found)
 {
     btScalar distances[2] = {0, 0}, best = BT_LARGE_FLOAT;
@@ -424,6 +441,8 @@ std::vector<qcUntanglement> qcFindUntanglements(const qcIntersectionCurves& curv
     for (const qcIntersectionCurve& curve : curves.Curves())
     {
         qcUntanglement found;
+        if (IsAnchored(curve))
+            continue;
         if (FindUntanglement(curve, &found) || (!AddEnds(curve, &untanglements) && FindShortening(curve, &found)))
             untanglements.push_back(found);
     }

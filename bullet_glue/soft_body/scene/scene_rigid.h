@@ -62,6 +62,14 @@ struct qcSceneRigid
     qcRigidDisplacement DisplacementBy(const btVector3& arm, const btVector3& push) const;
     /// Adds the motion by this push: of the object, or of all links of its multibody.
     void Push(const btVector3& arm, const btVector3& push);
+    /// Adds a motion that gives its body no velocity.
+    void MoveWithoutVelocity(const qcRigidDisplacement& by)
+    {
+        BeginRecovery();
+        pushed.linear += by.linear;
+        pushed.angular += by.angular;
+        EndRecovery();
+    }
     /// Has a node move with the body from here on, as it lies now.
     void Tie(qcSceneSoftBody* soft, uint32_t node);
     /// Puts the tied nodes to where the body is, with what contacts have pushed it by.

@@ -10,6 +10,28 @@ namespace
 {
 // Anchors are at one point if they are no further apart than this share of both thicknesses.
 constexpr btScalar s_tiedShare = btScalar(1e-3);
+
+bool CanMove(const qcSoftAnchor& anchor)
+{
+    return anchor.object != nullptr && !anchor.object->isStaticOrKinematicObject();
+}
+
+/// Finds the neighbours of nodes that are anchored to objects that can move. `indices`: of the triangles.
+void FindNeighbours(const std::vector<uint32_t>& indices, size_t nodeCount, std::vector<qcSoftAnchor>* anchors)
+{
+    std::vector<bool> isLoaded;
+    for (const qcSoftAnchor& anchor : *anchors)
+        if (CanMove(anchor))
+        {
+            isLoaded.resize(nodeCount, false);
+            isLoaded[anchor.node] = true;
+        }
+    for (size_t i = 0; !isLoaded.empty() && i < indices.size(); i += 3)
+        if (isLoaded[indices[i]] || isLoaded[indices[i + 1]] || isLoaded[indices[i + 2]])
+            for (qcSoftAnchor& anchor : *anchors)
+                if (CanMove(anchor) && anchor.IsOneOf(&indices[i]))
+                    anchor.neighbours.insert(anchor.neighbours.end(), &indices[i], &indices[i] + 3);
+}
 } // namespace
 
 bool qcCollidesWithSurfaces(const btSoftBody* body, const qcSoftBodySettings& settings)
@@ -81,15 +103,16 @@ void qcSceneSoftBody::ReadAnchors()
     for (int i = 0; i < body->m_anchors.size(); i++)
     {
         const btSoftBody::Anchor& anchor = body->m_anchors[i];
-        anchors.push_back({uint32_t(IndexOf(anchor.m_node)), anchor.m_body, anchor.m_local, nullptr});
+        anchors.push_back({uint32_t(IndexOf(anchor.m_node)), anchor.m_body, anchor.m_local, nullptr, {}});
     }
     for (int i = 0; i < body->m_deformableAnchors.size(); i++)
     {
         const btSoftBody::DeformableNodeRigidAnchor& anchor = body->m_deformableAnchors[i];
         const size_t node = IndexOf(anchor.m_node);
         pinned[node] = true;
-        anchors.push_back({uint32_t(node), anchor.m_cti.m_colObj, anchor.m_local, nullptr});
+        anchors.push_back({uint32_t(node), anchor.m_cti.m_colObj, anchor.m_local, nullptr, {}});
     }
+    FindNeighbours(topology.indices, size_t(NodeCount()), &anchors);
 }
 
 bool qcSceneSoftBody::ReadSolved()

@@ -50,10 +50,19 @@ struct qcSoftAnchor
     const btCollisionObject* object;
     btVector3 local;                ///< the point, in the object's frame
     qcSceneRigid* tiedTo = nullptr; ///< the object, if contacts move it with the node
+    /// If the object can move: the nodes of the triangles with this node. The anchor holds them at the object. Contacts
+    /// that push them off its surface in each step turn it like a motor.
+    std::vector<uint32_t> neighbours;
 
     bool IsOneOf(const uint32_t nodes[3]) const
     {
         return node == nodes[0] || node == nodes[1] || node == nodes[2];
+    }
+    /// True if one of the three nodes is the node or a neighbour.
+    bool IsAtOneOf(const uint32_t nodes[3]) const
+    {
+        return IsOneOf(nodes) ||
+               std::find_first_of(neighbours.begin(), neighbours.end(), nodes, nodes + 3) != neighbours.end();
     }
 };
 
@@ -118,7 +127,8 @@ struct qcSceneSoftBody
     /// Finds out whether the application has restored another state since the end of the previous step, as a rollback
     /// does: more than half of the nodes that Bullet moves have another position and another velocity.
     void FindRestored();
-    /// Reads which nodes are anchored, and which ones Bullet itself places at the end of each step.
+    /// Reads which nodes are anchored, and which ones Bullet itself places at the end of each step. O(nodes +
+    /// triangles + triangles at anchors * anchors).
     void ReadAnchors();
     /// Reads the positions after Bullet's own solvers, and finds the box of the motion from the start of the step.
     /// False: a node is not finite, and the body stays at its start for contact.
@@ -183,12 +193,12 @@ struct qcSceneSoftBody
     {
         return (body->m_cfg.collisions & btSoftBody::fCollision::RVSmask) != 0;
     }
-    /// True if one of the three nodes is anchored to the object.
+    /// True if one of the three nodes is anchored to the object or, if that can move, has a neighbour that is.
     bool IsAnchored(const uint32_t nodes[3], const btCollisionObject* object) const
     {
         return std::any_of(anchors.begin(), anchors.end(),
                            [&](const qcSoftAnchor& anchor)
-                           { return anchor.object == object && anchor.IsOneOf(nodes); });
+                           { return anchor.object == object && anchor.IsAtOneOf(nodes); });
     }
     /// True if a triangle of this body and one of another body, or of this one, are anchored at one point of an object:
     /// they meet there, whatever contacts do.
