@@ -29,6 +29,8 @@ constexpr int s_planeRounds = 6, s_planeSweeps = 6, s_guidedSweeps = 32;
 // By which guided meshes widen their gaps to nodes that stay, as a share of the thickness: gaps as small as the
 // rounding of positions have no certificate.
 constexpr btScalar s_widening = btScalar(0.05);
+// Steps after untangling in which links bring back most of what they can: with few iterations they need several.
+constexpr int s_strainedSteps = 8;
 // Displacement of coordinates against exact contact, as a share of the contact distance.
 constexpr btScalar s_perturbation = btScalar(1e-4);
 } // namespace
@@ -71,10 +73,14 @@ void qcSoftBodyContact::Implementation::SolveConstraints()
     }
     // Links pull against what is restored in each step: without its velocity nodes at rest would have that of the pull.
     qcAddRecovery(&m_constraints, qcGapRecoveryOf(m_timeStep), !solvesLinks);
-    qcSolveSoftConstraints(&m_constraints, &m_chains, m_links, &m_rigidNodeContacts, s_iterations);
-    if (solvesLinks)
-        m_links.LimitVelocities();
+    if (m_isShifted)
+        qcSolveWithoutVelocity(scene, &m_constraints, &m_chains, m_links, &m_rigidNodeContacts, s_iterations);
     else
+    {
+        qcSolveSoftConstraints(&m_constraints, &m_chains, m_links, &m_rigidNodeContacts, s_iterations);
+        m_links.LimitVelocities();
+    }
+    if (!solvesLinks)
         qcRestoreGaps(scene, &m_constraints, &m_chains, &m_rigidNodeContacts, qcGapRecovery, s_recoveryIterations);
     scene.meshes.Commit();
     m_isCertified = m_isDetected = false;
@@ -152,10 +158,41 @@ qcStatus qcSoftBodyContact::Implementation::Untangle()
     m_curves.Find(scene, pairs, perturbation);
     std::vector<qcUntanglement> untanglements = qcFindUntanglements(m_curves);
     m_tangles.MarkParts(untanglements);
-    qcUntangle(scene, untanglements);
+    qcNodeShifts shifts = qcUntangle(untanglements);
     scene.meshes.Commit();
+    m_isCertified = m_isDetected = false;
     statistics.respondMs += qcNowMs() - detected;
-    return qc_statusOk;
+    return shifts.empty() ? qc_statusOk : Shift(std::move(shifts));
+}
+
+/// Moves nodes of tangled bodies, without velocity. Contacts of the motion that gives velocities come before; where
+/// nodes are moved against something, contacts only take that back.
+qcStatus qcSoftBodyContact::Implementation::Shift(qcNodeShifts shifts)
+{
+    for (const auto& [soft, by] : shifts)
+        soft->strainedSteps = s_strainedSteps;
+    for (qcSceneSoftBody& soft : scene.Bodies())
+        if (!soft.shifts.empty())
+        {
+            std::vector<btVector3>& by = shifts[&soft];
+            by.resize(soft.positions.size(), btVector3(0, 0, 0));
+            for (size_t i = 0; i < by.size(); i++)
+            {
+                by[i] += soft.shifts[i];
+                soft.positions[i] -= soft.shifts[i];
+            }
+            soft.shifts.clear();
+        }
+    m_isCertified = m_isDetected = false;
+    qcStatus status = FindContacts(true);
+    if (status != qc_statusOk)
+        return status;
+    SolveConstraints();
+    for (const auto& [soft, by] : shifts)
+        soft->Shift(by);
+    m_isShifted = true;
+    m_isCertified = m_isDetected = false;
+    return status;
 }
 
 /// Detects and makes constraints of the contacts. Those of the first round are published.
@@ -203,7 +240,7 @@ qcStatus qcSoftBodyContact::Implementation::SolveContacts()
         // Contacts of the first round hold for the whole step, except where surfaces pass each other. Finding them
         // again costs more than all else in a round.
         bool finds = round == 0 || !m_tangles.IsEmpty() || m_exemptMotions > 0;
-        qcStatus status = finds ? FindContacts(round == 0) : qc_statusOk;
+        qcStatus status = finds ? FindContacts(round == 0 && !m_isShifted) : qc_statusOk;
         if (status != qc_statusOk || m_constraints.empty())
             return status;
         SolveConstraints();
@@ -378,8 +415,13 @@ qcStatus qcSoftBodyContact::Implementation::RunStages(btScalar timeStep)
     qcStatus status = scene.ReadSolved(timeStep, limits);
     statistics.meshes = scene.meshes.CountWith(false);
     statistics.surfaces = scene.meshes.CountWith(true);
+    m_isShifted = false;
     if (status == qc_statusOk)
+    {
+        if (solvesLinks)
+            tangledLinks.LimitVelocities(scene);
         qcCollectRigidNodeContacts(scene, &m_rigidNodeContacts);
+    }
     statistics.gatherMs += qcNowMs() - begin;
     if (status == qc_statusOk)
         status = FindTangles();

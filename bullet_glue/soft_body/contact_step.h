@@ -16,6 +16,7 @@
 #include "soft_body/response/position_constraints.h"
 #include "soft_body/response/rigid_zones.h"
 #include "soft_body/response/separating_planes.h"
+#include "soft_body/response/tangled_links.h"
 #include "soft_body/response/untangle.h"
 
 #include <unordered_set>
@@ -44,6 +45,7 @@ struct qcSoftBodyContact::Implementation
     qcSoftBodyScene scene;
     qcHeldContacts heldContacts; ///< of the classic world
     qcAnchorPulls anchorPulls;   ///< of the classic world
+    qcTangledLinks tangledLinks; ///< of the classic world
     qcElasticContacts elasticContacts;
     qcContactManifolds manifolds;
     qcAlgorithmOverride algorithmOverride;
@@ -74,6 +76,7 @@ struct qcSoftBodyContact::Implementation
     void SolveCcd();
     bool IsUntangled(const qcPair& pair);
     qcStatus Untangle();
+    qcStatus Shift(qcNodeShifts shifts);
     qcStatus FindContacts(bool isFirst);
     void PushApart();
     qcStatus SolveContacts();
@@ -98,8 +101,9 @@ struct qcSoftBodyContact::Implementation
     const qcResult* m_result = nullptr; ///< of the last detection
     qcSoftCandidates m_candidates;      ///< of the first detection of the step
     qcSoftClearance m_clearance;        ///< of the last query for contacts
-    bool m_isDetected = false;          ///< m_result has the penetrating pairs of the present positions
-    bool m_isCertified = false;         ///< m_unproven are those of the present positions
+    bool m_isShifted = false;   ///< untangling has moved nodes, and what contacts move from here on gives no velocity
+    bool m_isDetected = false;  ///< m_result has the penetrating pairs of the present positions
+    bool m_isCertified = false; ///< m_unproven are those of the present positions
     std::vector<qcUnprovenPair> m_unproven;
     std::vector<qcUnprovenPair> m_keptTangles; ///< not proven apart, but allowed if their tangle doesn't grow
     size_t m_exemptMotions = 0;                ///< pairs that penetrate at the start, or can't be separated there

@@ -75,6 +75,7 @@ void qcSoftBodySolver::solveConstraints(btScalar timeStep)
     qcPresentObjects present(my.scene);
     my.elasticContacts.ReadPredicted(my.scene);
     my.heldContacts.Insert(my.scene, &present);
+    my.tangledLinks.Begin(my.scene);
     my.anchorPulls.Begin(m_softBodySet);
     btDefaultSoftBodySolver::solveConstraints(timeStep);
     my.anchorPulls.End(timeStep);

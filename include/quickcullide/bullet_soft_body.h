@@ -103,11 +103,12 @@ struct qcSoftBodyStatistics
 /// - Where an intersection curve cuts off a part of a surface, the part goes back through the other surface. The
 ///   smaller part moves: the body returns to the side on which most of it is.
 /// - Where a curve ends inside of both surfaces, it is shortened from its ends.
-/// Motion that tangles further ends as in an inelastic contact. Links that untangling compresses give nodes some
-/// velocity. Away from the curve nothing passes. A body that is inside of a closed one as a whole has no curve and
-/// stays. Triangles that touch at the start, without penetration, are kept apart; surfaces that cross exactly in common
-/// positions are worked apart as soon as they penetrate. A body that is put into the plane of a rigid triangle, up to
-/// rounding, starts on the side from which the triangle's corners run counter-clockwise.
+/// Motion that tangles further ends as in an inelastic contact. In the classic world links that untangling strains
+/// give nodes velocities, but a body no kinetic energy. Away from the curve nothing passes. A body that is inside of a
+/// closed one as a whole has no curve and stays. Triangles that touch at the start, without penetration, are kept
+/// apart; surfaces that cross exactly in common positions are worked apart as soon as they penetrate. A body that is
+/// put into the plane of a rigid triangle, up to rounding, starts on the side from which the triangle's corners run
+/// counter-clockwise.
 ///
 /// Time: a step starts where the previous one ended. A node, an object or its triangles that the application moves in
 /// between move within the step; what is put elsewhere, by more than half its size, starts there. Nodes get no velocity

@@ -48,6 +48,7 @@ struct qcUntanglement
     const qcEdgeCrossing* end; ///< the end of the curve that moves; null: all of it does
     btVector3 direction;       ///< unit
     btScalar distance;         ///< that the part has to move; without a part unlimited
+    bool stays = false;        ///< it is around an anchor: it may pass, but isn't moved
 };
 
 class qcIntersectionCurves

@@ -403,21 +403,18 @@ void qcAddRecovery(std::vector<qcSoftConstraint>* constraints, btScalar share, b
         }
 }
 
-void qcRestoreGaps(qcSoftBodyScene& scene, std::vector<qcSoftConstraint>* constraints, qcForceChains* chains,
-                   std::vector<qcRigidNodeContact>* rigidNodeContacts, btScalar share, int iterations)
+void qcSolveWithoutVelocity(qcSoftBodyScene& scene, std::vector<qcSoftConstraint>* constraints, qcForceChains* chains,
+                            const qcRopeLinks& links, std::vector<qcRigidNodeContact>* rigidNodeContacts,
+                            int iterations)
 {
-    if (std::none_of(constraints->begin(), constraints->end(),
-                     [](const qcSoftConstraint& constraint) { return constraint.missing > 0; }))
-        return;
     std::vector<std::vector<btVector3>> positions;
     for (const qcSceneSoftBody& soft : scene.Bodies())
         positions.push_back(soft.inContact ? soft.positions : std::vector<btVector3>());
     for (const std::unique_ptr<qcSceneRigid>& rigid : scene.meshes.Rigids())
         rigid->BeginRecovery();
-    qcAddRecovery(constraints, share, false);
     // Rigid bodies get impulses only for what gives the nodes velocities.
     const std::vector<qcRigidNodeContact> contacts = *rigidNodeContacts;
-    qcSolveSoftConstraints(constraints, chains, {}, rigidNodeContacts, iterations);
+    qcSolveSoftConstraints(constraints, chains, links, rigidNodeContacts, iterations);
     *rigidNodeContacts = contacts;
     for (size_t i = 0; i < positions.size(); i++)
     {
@@ -429,4 +426,14 @@ void qcRestoreGaps(qcSoftBodyScene& scene, std::vector<qcSoftConstraint>* constr
     }
     for (const std::unique_ptr<qcSceneRigid>& rigid : scene.meshes.Rigids())
         rigid->EndRecovery();
+}
+
+void qcRestoreGaps(qcSoftBodyScene& scene, std::vector<qcSoftConstraint>* constraints, qcForceChains* chains,
+                   std::vector<qcRigidNodeContact>* rigidNodeContacts, btScalar share, int iterations)
+{
+    if (std::none_of(constraints->begin(), constraints->end(),
+                     [](const qcSoftConstraint& constraint) { return constraint.missing > 0; }))
+        return;
+    qcAddRecovery(constraints, share, false);
+    qcSolveWithoutVelocity(scene, constraints, chains, {}, rigidNodeContacts, iterations);
 }

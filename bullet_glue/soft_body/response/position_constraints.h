@@ -103,12 +103,17 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
 void qcSolveSoftConstraints(std::vector<qcSoftConstraint>* constraints, qcForceChains* chains, const qcRopeLinks& links,
                             std::vector<qcRigidNodeContact>* rigidNodeContacts, int iterations);
 
+/// Likewise, as a motion without velocity: see qcSceneSoftBody::shifts and qcSceneRigid::recovered. Only what pushes
+/// multibodies gives velocities.
+void qcSolveWithoutVelocity(qcSoftBodyScene& scene, std::vector<qcSoftConstraint>* constraints, qcForceChains* chains,
+                            const qcRopeLinks& links, std::vector<qcRigidNodeContact>* rigidNodeContacts,
+                            int iterations);
+
 /// Has the constraints restore this share of the gaps that were missing at the start of the step, with the velocity
 /// that it gives; `onlyTangled`: those of tangled bodies, which come apart by it.
 void qcAddRecovery(std::vector<qcSoftConstraint>* constraints, btScalar share, bool onlyTangled);
 
-/// Restores such gaps after the sweeps, in further ones, as a motion without velocity: see qcSceneSoftBody::shifts and
-/// qcSceneRigid::recovered. Only what pushes multibodies gives velocities.
+/// Restores gaps that were missing at the start of the step after the sweeps, in further ones, without velocity.
 void qcRestoreGaps(qcSoftBodyScene& scene, std::vector<qcSoftConstraint>* constraints, qcForceChains* chains,
                    std::vector<qcRigidNodeContact>* rigidNodeContacts, btScalar share, int iterations);
 

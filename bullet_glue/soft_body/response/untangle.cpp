@@ -101,24 +101,37 @@ bool AddEnds(const qcIntersectionCurve& curve, std::vector<qcUntanglement>* unta
             if (!crossing.isEnd || length <= SIMD_EPSILON)
                 continue;
             hasEnds = true;
-            untanglements->push_back({&curve, side, {false, false}, &crossing, motion / length, BT_LARGE_FLOAT});
+            untanglements->push_back({&curve, side, {false, false}, &crossing, motion / length, BT_LARGE_FLOAT, false});
         }
     return hasEnds;
 }
 
-/// True if one of the parts is anchored to the other side's object: it can't leave that.
+/// True if the curve is around an anchor of one side to the other side's object: a part is anchored, and can't leave
+/// the object, or the curve goes on through triangles with an anchored node, which may pass.
 bool IsAnchored(const qcIntersectionCurve& curve)
 {
     for (int side = 0; side < 2; side++)
     {
-        const qcSceneSoftBody* soft = curve.sides[side].graph->soft;
+        const qcCurveSide& mine = curve.sides[side];
         const qcSceneRigid* rigid = curve.sides[1 - side].graph->rigid;
-        if (soft == nullptr || rigid == nullptr)
+        if (mine.graph->soft == nullptr || rigid == nullptr)
             continue;
-        const std::vector<uint32_t>& part = curve.sides[side].part;
-        for (const qcSoftAnchor& anchor : soft->anchors)
-            if (anchor.object == rigid->object && std::find(part.begin(), part.end(), anchor.node) != part.end())
+        for (const qcSoftAnchor& anchor : mine.graph->soft->anchors)
+        {
+            if (anchor.object != rigid->object)
+                continue;
+            bool isAround = std::find(mine.part.begin(), mine.part.end(), anchor.node) != mine.part.end();
+            mine.graph->ForEachNeighbour(anchor.node,
+                                         [&](uint32_t neighbour)
+                                         {
+                                             auto isAt = [neighbour](const qcEdgeCrossing& crossing)
+                                             { return crossing.from == neighbour || crossing.to == neighbour; };
+                                             isAround = isAround ||
+                                                        std::any_of(mine.crossings.begin(), mine.crossings.end(), isAt);
+                                         });
+            if (isAround)
                 return true;
+        }
     }
     return false;
 }
@@ -322,30 +335,40 @@ btScalar CurveThickness(const qcIntersectionCurve& curve)
     return sum;
 }
 
-/// Both sides of a tangle, and the displacement of each by a unit of momentum, 0 for a side that stays.
+/// Both sides of a tangle.
 struct Fields
 {
     Field sides[2]; ///< the side that leaves, and the other
-    btScalar mobility[2] = {0, 0};
+    bool stays[2];  ///< without velocity, the other side alone moves
 
     Fields(const qcUntanglement& tangle, uint32_t reach, std::vector<uint32_t>* hops)
         : sides{MakeField(tangle, tangle.side, reach, hops), MakeField(tangle, 1 - tangle.side, reach, hops)}
     {
         // A side with fixed nodes stays if the other one can move freely.
         for (int i = 0; i < 2; i++)
-        {
-            const Field &field = sides[i], &other = sides[1 - i];
-            if (field.mass > 0 && (!field.isHeld || other.isHeld || other.mass == 0))
-                mobility[i] = 1 / field.mass;
-        }
+            stays[i] = sides[i].isHeld && !sides[1 - i].isHeld && sides[1 - i].mass > 0;
     }
 
+    /// The displacement of a side by a unit of momentum.
+    btScalar Mobility(int i) const
+    {
+        return sides[i].mass > 0 ? 1 / sides[i].mass : btScalar(0);
+    }
+    btScalar ShiftMobility(int i) const
+    {
+        return stays[i] ? btScalar(0) : Mobility(i);
+    }
     /// Calls function(body, node, displacement) for each node that an impulse, times the time step, moves.
     template <typename Function> void ForEachMoved(const btVector3& impulse, Function function) const
     {
+        ::ForEachMoved(sides[0], impulse * Mobility(0), function);
+        ::ForEachMoved(sides[1], impulse * -Mobility(1), function);
+    }
+    template <typename Function> void ForEachShifted(const btVector3& impulse, Function function) const
+    {
         for (int i = 0; i < 2; i++)
-            if (mobility[i] > 0)
-                ::ForEachMoved(sides[i], impulse * (i == 0 ? mobility[i] : -mobility[i]), function);
+            if (!stays[i])
+                ::ForEachMoved(sides[i], impulse * (i == 0 ? Mobility(i) : -Mobility(i)), function);
     }
 };
 
@@ -362,7 +385,7 @@ btScalar StopTangling(const qcUntanglement& tangle, const Fields& fields)
     btVector3 arms[2];
     for (int i = 0; i < 2; i++)
     {
-        effective += fields.mobility[i] * fields.mobility[i] * fields.sides[i].squareMass;
+        effective += fields.Mobility(i) * fields.Mobility(i) * fields.sides[i].squareMass;
         rigids[i] = fields.sides[i].side->graph->rigid;
         if (rigids[i] == nullptr)
             continue;
@@ -400,37 +423,34 @@ Shift MakeShift(const qcUntanglement& tangle, std::vector<uint32_t>* hops)
     if (tangle.hasPart[tangle.side] && sides[0].slot != sides[1].slot)
         shift.fields = Fields(tangle, std::max(s_partReach, s_reachPerDepth * reach), hops);
     btScalar missing = std::min(s_shift * shift.thickness, tangle.distance + shift.thickness) - motion;
-    btScalar mobility = shift.fields.mobility[0] + shift.fields.mobility[1];
+    btScalar mobility = shift.fields.ShiftMobility(0) + shift.fields.ShiftMobility(1);
     if (missing > 0 && mobility > 0)
         shift.impulse = tangle.direction * (missing / mobility);
     return shift;
 }
 
-/// Adds the shifts to the positions. A shift is reduced as a whole, so that momentum is kept, if the sum of all would
-/// move one of its nodes further than a single one may.
-void Apply(const std::vector<Shift>& shifts)
+/// The sums of the shifts. A shift is reduced as a whole, so that momentum is kept, if the sum of all would move one of
+/// its nodes further than a single one may.
+void Add(const std::vector<Shift>& shifts, qcNodeShifts* sums)
 {
-    std::map<const qcSceneSoftBody*, std::vector<btVector3>> sums;
+    qcNodeShifts all;
+    auto add = [](qcNodeShifts* to, qcSceneSoftBody& soft, uint32_t node, const btVector3& by)
+    {
+        std::vector<btVector3>& sum = (*to)[&soft];
+        sum.resize(soft.positions.size(), btVector3(0, 0, 0));
+        sum[node] += by;
+    };
     for (const Shift& shift : shifts)
-        shift.fields.ForEachMoved(shift.impulse,
-                                  [&](qcSceneSoftBody& soft, uint32_t node, const btVector3& by)
-                                  {
-                                      std::vector<btVector3>& sum = sums[&soft];
-                                      sum.resize(soft.positions.size(), btVector3(0, 0, 0));
-                                      sum[node] += by;
-                                  });
+        shift.fields.ForEachShifted(shift.impulse, [&](qcSceneSoftBody& soft, uint32_t node, const btVector3& by)
+                                    { add(&all, soft, node, by); });
     for (const Shift& shift : shifts)
     {
         btScalar factor = 1;
-        shift.fields.ForEachMoved(
+        shift.fields.ForEachShifted(
             shift.impulse, [&](qcSceneSoftBody& soft, uint32_t node, const btVector3&)
-            { factor = std::max(factor, sums[&soft][node].length() / (s_shift * shift.thickness)); });
-        shift.fields.ForEachMoved(shift.impulse / factor,
-                                  [&](qcSceneSoftBody& soft, uint32_t node, const btVector3& by)
-                                  {
-                                      soft.shifts[node] += by;
-                                      soft.positions[node] += by;
-                                  });
+            { factor = std::max(factor, all[&soft][node].length() / (s_shift * shift.thickness)); });
+        shift.fields.ForEachShifted(shift.impulse / factor, [&](qcSceneSoftBody& soft, uint32_t node,
+                                                                const btVector3& by) { add(sums, soft, node, by); });
     }
 }
 } // namespace
@@ -440,19 +460,18 @@ std::vector<qcUntanglement> qcFindUntanglements(const qcIntersectionCurves& curv
     std::vector<qcUntanglement> untanglements;
     for (const qcIntersectionCurve& curve : curves.Curves())
     {
+        const size_t first = untanglements.size();
         qcUntanglement found;
-        if (IsAnchored(curve))
-            continue;
         if (FindUntanglement(curve, &found) || (!AddEnds(curve, &untanglements) && FindShortening(curve, &found)))
             untanglements.push_back(found);
+        for (size_t i = first; i < untanglements.size(); i++)
+            untanglements[i].stays = IsAnchored(curve);
     }
     return untanglements;
 }
 
-void qcUntangle(qcSoftBodyScene& scene, const std::vector<qcUntanglement>& untanglements)
+qcNodeShifts qcUntangle(const std::vector<qcUntanglement>& untanglements)
 {
-    for (qcSceneSoftBody& soft : scene.Bodies())
-        soft.shifts.resize(soft.positions.size(), btVector3(0, 0, 0));
     uint32_t vertexCount = 0;
     for (const qcUntanglement& tangle : untanglements)
         for (const qcCurveSide& side : tangle.curve->sides)
@@ -460,6 +479,9 @@ void qcUntangle(qcSoftBodyScene& scene, const std::vector<qcUntanglement>& untan
     std::vector<uint32_t> hops(vertexCount, UINT32_MAX);
     std::vector<Shift> shifts;
     for (const qcUntanglement& tangle : untanglements)
-        shifts.push_back(MakeShift(tangle, &hops));
-    Apply(shifts);
+        if (!tangle.stays)
+            shifts.push_back(MakeShift(tangle, &hops));
+    qcNodeShifts sums;
+    Add(shifts, &sums);
+    return sums;
 }

@@ -8,8 +8,11 @@
 /// Chooses a direction for each curve that has one.
 std::vector<qcUntanglement> qcFindUntanglements(const qcIntersectionCurves& curves);
 
-/// Moves nodes by a share of the thickness, and takes away motion that tangles them further. Momentum is kept. The
-/// first motion is recorded in qcSceneSoftBody::shifts and gives no velocity.
-void qcUntangle(qcSoftBodyScene& scene, const std::vector<qcUntanglement>& untanglements);
+/// Displacements of the nodes of soft bodies.
+using qcNodeShifts = std::map<qcSceneSoftBody*, std::vector<btVector3>>;
+
+/// Takes away motion that tangles surfaces further, and returns by how much to move nodes, without velocity: by a share
+/// of the thickness. Momentum is kept.
+qcNodeShifts qcUntangle(const std::vector<qcUntanglement>& untanglements);
 
 #endif

@@ -156,6 +156,16 @@ bool qcSceneSoftBody::IsStretched(bool starts)
     return isStretched;
 }
 
+void qcSceneSoftBody::Shift(const std::vector<btVector3>& by)
+{
+    shifts.resize(positions.size(), btVector3(0, 0, 0));
+    for (size_t i = 0; i < by.size(); i++)
+    {
+        positions[i] += by[i];
+        shifts[i] += by[i];
+    }
+}
+
 btVector3 qcSceneSoftBody::VelocityMotionOf(size_t node, const btVector3& from) const
 {
     const btVector3 motion = MotionOf(node, from);

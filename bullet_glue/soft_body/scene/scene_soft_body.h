@@ -99,6 +99,7 @@ struct qcSceneSoftBody
     /// The parts of the positions that untangling, links that contract, or in the deformable world the restoring of
     /// gaps, added in this step; they give no velocity. Empty: none.
     std::vector<btVector3> shifts;
+    int strainedSteps = 0;    ///< for which links bring back how far untangling has moved nodes
     std::vector<bool> pinned; ///< nodes that contacts don't move, but for those of TiedTo; empty: none
     /// Nodes that are anchored to a rigid object: their triangles don't collide with that, since an anchor may lie
     /// inside.
@@ -150,6 +151,8 @@ struct qcSceneSoftBody
     {
         return positions[node] - from - (shifts.empty() ? btVector3(0, 0, 0) : shifts[node]);
     }
+    /// Moves the nodes without velocity.
+    void Shift(const std::vector<btVector3>& by);
     /// Where the step starts for a node's velocity: behind the application's motion.
     btVector3 VelocityStartOf(size_t node) const
     {
@@ -158,11 +161,11 @@ struct qcSceneSoftBody
     /// The motion that gives a node its velocity: without the shift, and without what contacts have taken back of the
     /// application's motion.
     btVector3 VelocityMotionOf(size_t node, const btVector3& from) const;
-    /// Calls function(node index) for each node that contacts moved.
+    /// Calls function(node index) for each node that contacts moved, or whose velocity a shift changes.
     template <typename Function> void ForEachMoved(Function function) const
     {
         for (size_t i = 0; i < positions.size(); i++)
-            if (!qcAreSame(positions[i], solved[i]))
+            if (!qcAreSame(positions[i], solved[i]) || (!shifts.empty() && !shifts[i].isZero()))
                 function(int(i));
     }
     /// True if contacts have moved no node so far.

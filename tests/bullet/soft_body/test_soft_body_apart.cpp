@@ -143,6 +143,9 @@ START_TEST(a_cloth_over_a_pile_of_moving_meshes_does_not_hang)
 END_TEST
 #endif
 
+// Most of twelve starts end after 30 to 50 steps, one or two after 65, one of Bullet's after 60.
+constexpr int s_scrambledSteps = 80;
+
 /// Adds the last step after which something is tangled, of ours and of Bullet's.
 static void RunScrambled(unsigned randomSeed, int* oursLast, int* bulletsLast)
 {
@@ -151,7 +154,7 @@ static void RunScrambled(unsigned randomSeed, int* oursLast, int* bulletsLast)
     ck_assert_uint_gt(start, 10000);
     ck_assert_uint_eq(start, bullets.CountTangled());
     int lastOfOurs = 0, lastOfBullets = 0;
-    for (int step = 1; step <= 60; step++)
+    for (int step = 1; step <= s_scrambledSteps; step++)
     {
         ours.Step();
         bullets.Step();
@@ -162,7 +165,7 @@ static void RunScrambled(unsigned randomSeed, int* oursLast, int* bulletsLast)
         lastOfOurs = statistics.remaining > 0 ? step : lastOfOurs;
         lastOfBullets = bullets.CountTangled() > 0 ? step : lastOfBullets;
     }
-    ck_assert_int_lt(lastOfOurs, 60);
+    ck_assert_int_lt(lastOfOurs, s_scrambledSteps);
     *oursLast += lastOfOurs;
     *bulletsLast += lastOfBullets;
 }
@@ -171,7 +174,7 @@ START_TEST(scrambled_bodies_recover_no_later_than_in_bullet)
 {
     // Single starts differ by ten steps either way.
     int oursLast = 0, bulletsLast = 0;
-    for (unsigned randomSeed = 1; randomSeed <= 3; randomSeed++)
+    for (unsigned randomSeed = 1; randomSeed <= 6; randomSeed++)
         RunScrambled(randomSeed, &oursLast, &bulletsLast);
     ck_assert_int_le(oursLast, bulletsLast);
 }
