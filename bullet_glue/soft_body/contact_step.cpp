@@ -183,7 +183,6 @@ qcStatus qcSoftBodyContact::Implementation::Shift(qcNodeShifts shifts)
             }
             soft.shifts.clear();
         }
-    m_isCertified = m_isDetected = false;
     qcStatus status = FindContacts(true);
     if (status != qc_statusOk)
         return status;

@@ -90,21 +90,7 @@ void qcRopeLinks::LimitVelocities() const
     for (const Body& body : m_bodies)
     {
         qcSceneSoftBody& soft = *body.soft;
-        double work = 0, square = 0;
-        for (size_t i = 0; i < body.byLinks.size(); i++)
-        {
-            const btScalar inverseMass = soft.body->m_nodes[int(i)].m_im;
-            if (!(inverseMass > 0))
-                continue;
-            const btVector3 &by = body.byLinks[i], without = soft.VelocityMotionOf(i, soft.VelocityStartOf(i)) - by;
-            work += double(by.dot(without) / inverseMass);
-            square += double(by.length2() / inverseMass);
-        }
-        const double share = square > 0 ? std::min(std::max(-work / square, 0.0), 1.0) : 1;
-        if (!(share < 1))
-            continue;
-        soft.shifts.resize(soft.positions.size(), btVector3(0, 0, 0));
-        for (size_t i = 0; i < body.byLinks.size(); i++)
-            soft.shifts[i] += body.byLinks[i] * btScalar(1 - share);
+        soft.LimitLinks(body.byLinks, 1,
+                        [&](size_t i) { return soft.VelocityMotionOf(i, soft.VelocityStartOf(i)) - body.byLinks[i]; });
     }
 }

@@ -20,21 +20,9 @@ void qcTangledLinks::LimitVelocities(qcSoftBodyScene& scene) const
     {
         qcSceneSoftBody& soft = scene.Bodies()[b];
         const std::vector<btVector3>& predicted = m_predicted[b];
-        double work = 0, square = 0;
+        std::vector<btVector3> byLinks;
         for (size_t i = 0; i < predicted.size(); i++)
-        {
-            const btScalar inverseMass = soft.body->m_nodes[int(i)].m_im;
-            if (!(inverseMass > 0))
-                continue;
-            const btVector3 by = soft.solved[i] - predicted[i], without = predicted[i] - soft.VelocityStartOf(i);
-            work += double(by.dot(without) / inverseMass);
-            square += double(by.length2() / inverseMass);
-        }
-        const double share = square > 0 ? std::min(std::max(-2 * work / square, 0.0), 1.0) : 1;
-        if (!(share < 1))
-            continue;
-        soft.shifts.resize(soft.positions.size(), btVector3(0, 0, 0));
-        for (size_t i = 0; i < predicted.size(); i++)
-            soft.shifts[i] += (soft.solved[i] - predicted[i]) * btScalar(1 - share);
+            byLinks.push_back(soft.solved[i] - predicted[i]);
+        soft.LimitLinks(byLinks, 2, [&](size_t i) { return predicted[i] - soft.VelocityStartOf(i); });
     }
 }

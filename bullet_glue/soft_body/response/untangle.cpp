@@ -464,8 +464,9 @@ std::vector<qcUntanglement> qcFindUntanglements(const qcIntersectionCurves& curv
         qcUntanglement found;
         if (FindUntanglement(curve, &found) || (!AddEnds(curve, &untanglements) && FindShortening(curve, &found)))
             untanglements.push_back(found);
+        const bool stays = first < untanglements.size() && IsAnchored(curve);
         for (size_t i = first; i < untanglements.size(); i++)
-            untanglements[i].stays = IsAnchored(curve);
+            untanglements[i].stays = stays;
     }
     return untanglements;
 }

@@ -153,6 +153,27 @@ struct qcSceneSoftBody
     }
     /// Moves the nodes without velocity.
     void Shift(const std::vector<btVector3>& by);
+    /// Leaves the nodes' velocities, of what links add to their motion, the share at which this takes the most kinetic
+    /// energy (factor 1), or the largest share at which it adds none (factor 2). without(node): the motion without it.
+    template <typename Function>
+    void LimitLinks(const std::vector<btVector3>& byLinks, double factor, const Function& without)
+    {
+        double work = 0, square = 0;
+        for (size_t i = 0; i < byLinks.size(); i++)
+        {
+            const btScalar inverseMass = body->m_nodes[int(i)].m_im;
+            if (!(inverseMass > 0))
+                continue;
+            work += double(byLinks[i].dot(without(i)) / inverseMass);
+            square += double(byLinks[i].length2() / inverseMass);
+        }
+        const double share = square > 0 ? std::min(std::max(-factor * work / square, 0.0), 1.0) : 1;
+        if (!(share < 1))
+            return;
+        shifts.resize(positions.size(), btVector3(0, 0, 0));
+        for (size_t i = 0; i < byLinks.size(); i++)
+            shifts[i] += byLinks[i] * btScalar(1 - share);
+    }
     /// Where the step starts for a node's velocity: behind the application's motion.
     btVector3 VelocityStartOf(size_t node) const
     {
